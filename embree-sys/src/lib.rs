@@ -1,0 +1,2 @@
+//! Raw bindings to Embree.
+#![no_std]

@@ -1,0 +1,286 @@
+//! Rays meet triangles: one trait, three backends.
+//!
+//! `accel` knows triangles and ids, no materials, lights or textures. A backend is built by value from
+//! meshes and asked through `&self` by any number of threads. Questions come in chunks of [`LANES`] rays
+//! in structure-of-arrays form with a mask of active lanes; a backend is free to trace them as packets or
+//! one by one. No ray reaches a backend unchecked: a question takes [`Checked`] rays, and
+//! [`Rays::check`] is the only way to make them (a NaN would abort the process inside Debian's Embree,
+//! whose assertions are compiled in).
+//!
+//! The interval of a ray is `tmin ≤ t ≤ tmax`; a zero direction or `tmin > tmax` is a clean miss.
+//! Both sides of a triangle are hit. Barycentrics are Embree's: `p = (1−u−v)·v0 + u·v1 + v·v2`.
+//! Triangles of zero area are never hit.
+
+pub mod brute;
+pub mod bvh;
+#[cfg(feature = "embree")]
+pub mod embree;
+
+use crate::error::{Error, Result, unknown_word_advice};
+use crate::math::Vec3;
+use crate::math::isa::Isa;
+use crate::shape::Mesh;
+use std::sync::Arc;
+
+/// Rays in a chunk.
+pub const LANES: usize = 16;
+
+/// One bit a lane of a chunk, lane 0 the lowest.
+pub type Mask = u16;
+
+/// In [`Hits::mesh`]: nothing was hit.
+pub const MISS: u32 = u32::MAX;
+
+/// The largest magnitude that a component of a ray may have (Embree's own limit is 1.844e18).
+pub const LARGEST: f32 = 1e18;
+
+/// A chunk of rays, structure of arrays.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub struct Rays {
+    /// Origins, x.
+    pub ox: [f32; LANES],
+    /// Origins, y.
+    pub oy: [f32; LANES],
+    /// Origins, z.
+    pub oz: [f32; LANES],
+    /// Start of the interval, in multiples of the direction's length.
+    pub tmin: [f32; LANES],
+    /// Directions, x; need not be unit.
+    pub dx: [f32; LANES],
+    /// Directions, y.
+    pub dy: [f32; LANES],
+    /// Directions, z.
+    pub dz: [f32; LANES],
+    /// End of the interval; [`f32::INFINITY`] is allowed here and only here.
+    pub tmax: [f32; LANES],
+}
+
+impl Default for Rays {
+    /// Sixteen rays that hit nothing: zero origin and direction, empty interval.
+    fn default() -> Self {
+        let zero = [0.0; LANES];
+        Rays { ox: zero, oy: zero, oz: zero, tmin: [1.0; LANES], dx: zero, dy: zero, dz: zero, tmax: zero }
+    }
+}
+
+impl Rays {
+    /// Sets one lane.
+    #[inline]
+    pub fn set(&mut self, lane: usize, o: Vec3, d: Vec3, tmin: f32, tmax: f32) {
+        (self.ox[lane], self.oy[lane], self.oz[lane]) = (o.x, o.y, o.z);
+        (self.dx[lane], self.dy[lane], self.dz[lane]) = (d.x, d.y, d.z);
+        (self.tmin[lane], self.tmax[lane]) = (tmin, tmax);
+    }
+
+    /// One lane's origin.
+    #[inline]
+    pub fn o(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.ox[lane], self.oy[lane], self.oz[lane])
+    }
+
+    /// One lane's direction.
+    #[inline]
+    pub fn d(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.dx[lane], self.dy[lane], self.dz[lane])
+    }
+
+    /// The gate: keeps those lanes of `active` whose numbers a backend may see. A lane is refused when a
+    /// component of origin or direction or an end of the interval is NaN or beyond [`LARGEST`] in
+    /// magnitude (`tmax = +∞` passes).
+    #[inline]
+    pub fn check(&self, active: Mask) -> Checked<'_> {
+        let mut sound = 0;
+        for lane in 0..LANES {
+            // NaN fails every comparison, so it needs no test of its own.
+            let ok = (self.ox[lane].abs() <= LARGEST)
+                & (self.oy[lane].abs() <= LARGEST)
+                & (self.oz[lane].abs() <= LARGEST)
+                & (self.dx[lane].abs() <= LARGEST)
+                & (self.dy[lane].abs() <= LARGEST)
+                & (self.dz[lane].abs() <= LARGEST)
+                & (self.tmin[lane].abs() <= LARGEST)
+                & ((self.tmax[lane].abs() <= LARGEST) | (self.tmax[lane] == f32::INFINITY));
+            sound |= (ok as Mask) << lane;
+        }
+        Checked { rays: self, active: active & sound, rejected: (active & !sound).count_ones() }
+    }
+}
+
+/// Rays that passed [`Rays::check`]; every active lane is finite.
+#[derive(Clone, Copy, Debug)]
+pub struct Checked<'a> {
+    rays: &'a Rays,
+    active: Mask,
+    rejected: u32,
+}
+
+impl<'a> Checked<'a> {
+    /// The rays. Lanes that are not active may hold anything, NaN included.
+    #[inline]
+    pub fn rays(&self) -> &'a Rays {
+        self.rays
+    }
+
+    /// The lanes to trace.
+    #[inline]
+    pub fn active(&self) -> Mask {
+        self.active
+    }
+
+    /// How many lanes the gate refused.
+    #[inline]
+    pub fn rejected(&self) -> u32 {
+        self.rejected
+    }
+}
+
+/// The closest hits of a chunk, structure of arrays. Lanes that were not active are left as they were.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub struct Hits {
+    /// Distance in multiples of the ray direction's length.
+    pub t: [f32; LANES],
+    /// Barycentric weight of the second corner.
+    pub u: [f32; LANES],
+    /// Barycentric weight of the third corner.
+    pub v: [f32; LANES],
+    /// Index of the mesh; [`MISS`] where nothing was hit.
+    pub mesh: [u32; LANES],
+    /// Index of the triangle in its mesh.
+    pub triangle: [u32; LANES],
+}
+
+impl Default for Hits {
+    /// Sixteen misses.
+    fn default() -> Self {
+        Hits {
+            t: [f32::INFINITY; LANES],
+            u: [0.0; LANES],
+            v: [0.0; LANES],
+            mesh: [MISS; LANES],
+            triangle: [MISS; LANES],
+        }
+    }
+}
+
+/// What is known about the rays of a chunk. Changes the speed, and at most the last bits of a hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coherence {
+    /// Nearly the same origin and direction: camera rays.
+    Coherent,
+    /// Anything else.
+    Incoherent,
+}
+
+/// A built acceleration structure.
+pub trait Intersector: Send + Sync {
+    /// The closest hit of every active lane; a miss sets [`MISS`].
+    fn closest(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits);
+
+    /// The active lanes on whose interval anything is hit.
+    fn occluded(&self, rays: Checked<'_>, coherence: Coherence) -> Mask;
+
+    /// Bytes of the structure itself, without the meshes' buffers.
+    fn bytes(&self) -> usize;
+
+    /// The instruction set the backend traces with, e.g. `avx512`; goes into the picture's settings,
+    /// since it can change the last bits of a hit.
+    fn isa(&self) -> &str;
+}
+
+/// How much work goes into the structure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quality {
+    /// Fast to build, slower to trace: short jobs.
+    Low,
+    /// The ordinary one.
+    Medium,
+    /// Slow to build; as `Medium` where a backend knows no better.
+    High,
+}
+
+impl Quality {
+    /// The name in scene files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Quality::Low => "low",
+            Quality::Medium => "medium",
+            Quality::High => "high",
+        }
+    }
+}
+
+/// What a build is asked for.
+pub struct BuildOptions<'a> {
+    /// Effort.
+    pub quality: Quality,
+    /// Smaller structure, slower rays (Embree's compact flag); the BVH has one layout and ignores it.
+    pub compact: bool,
+    /// Pins the instruction set; `None`: the best this machine has.
+    pub isa: Option<Isa>,
+    /// Called now and then, possibly from several threads, with the share done (0 to 1); `false` cancels
+    /// the build, which then fails with [`cancelled`].
+    pub progress: &'a (dyn Fn(f64) -> bool + Sync),
+}
+
+impl Default for BuildOptions<'_> {
+    fn default() -> Self {
+        BuildOptions { quality: Quality::Medium, compact: false, isa: None, progress: &|_| true }
+    }
+}
+
+/// The error of a build that its progress callback cancelled.
+pub fn cancelled() -> Error {
+    Error::new("building the acceleration structure was cancelled")
+}
+
+/// The backends that a picture can be rendered with. (The judge, [`brute`], is for tests.)
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Backend {
+    /// Debian's Embree.
+    #[cfg(feature = "embree")]
+    Embree,
+    /// Our own bounding volume hierarchy.
+    Bvh,
+}
+
+impl Backend {
+    /// Every backend that this build of drt has, the default first.
+    pub const ALL: &'static [Backend] = &[
+        #[cfg(feature = "embree")]
+        Backend::Embree,
+        Backend::Bvh,
+    ];
+
+    /// The name on the command line and in scene files.
+    pub fn name(self) -> &'static str {
+        match self {
+            #[cfg(feature = "embree")]
+            Backend::Embree => "embree",
+            Backend::Bvh => "bvh",
+        }
+    }
+
+    /// The backend of that name.
+    pub fn from_name(name: &str) -> Result<Backend> {
+        if let Some(found) = Self::ALL.iter().find(|b| b.name() == name) {
+            return Ok(*found);
+        }
+        if name == "embree" {
+            return Err(Error::usage("this drt was built without Embree")
+                .advise("use the backend \"bvh\", or build with the feature `embree`"));
+        }
+        let known: Vec<&str> = Self::ALL.iter().map(|b| b.name()).collect();
+        Err(Error::usage(format!("unknown backend \"{name}\"")).advise(unknown_word_advice(name, &known)))
+    }
+
+    /// Builds the structure over `meshes`; a hit names a mesh by its index here.
+    pub fn build(self, meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Box<dyn Intersector>> {
+        match self {
+            #[cfg(feature = "embree")]
+            Backend::Embree => Ok(Box::new(embree::Embree::build(meshes, options)?)),
+            Backend::Bvh => Ok(Box::new(bvh::Bvh::build(meshes, options)?)),
+        }
+    }
+}
