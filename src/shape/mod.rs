@@ -5,4 +5,6 @@
 //! have indices of their own only where they differ from the positions'. Each face has a material id.
 
 mod mesh;
+mod surface;
 pub use mesh::{Attribute, FaceMaterials, Mesh, NO_INDEX, Positions};
+pub use surface::{Surface, geometric_normal};

@@ -1,0 +1,118 @@
+//! Metals: GGX microfacets that reflect with a constant or a measured reflectance.
+
+use super::fresnel::Reflectance;
+use super::{Sample, Scatter, ggx, reflect};
+use crate::math::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
+use crate::math::{Rgb, Vec3};
+
+/// Below this GGX α the surface is a mirror: its lobe is narrower than f32 can resolve.
+const SMOOTH: f32 = 1e-4;
+
+/// A metal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conductor {
+    reflectance: Reflectance,
+    alpha: f32,
+    /// Give back the energy that light scattered more than once between facets carries.
+    compensate: bool,
+    /// The multiple-scattering lobe's colour over 1 − E_avg (Kulla and Conty 2017).
+    multiple: Rgb,
+}
+
+impl Conductor {
+    /// A metal with GGX width `alpha` = roughness², 0 (a mirror) to 1. `compensate` adds the light that
+    /// single scattering loses, so that a perfectly reflecting metal reflects everything.
+    pub fn new(reflectance: Reflectance, alpha: f32, compensate: bool) -> Conductor {
+        let compensate = compensate && alpha >= SMOOTH;
+        let multiple = if compensate {
+            let e = ggx::energy().average(alpha);
+            let f = reflectance.average();
+            // F_ms = F²·E_avg / (1 − F·(1 − E_avg)): light that was scattered twice or more.
+            f * f * e / ((Rgb::ONE - f * (1.0 - e)) * (1.0 - e).max(1e-6))
+        } else {
+            Rgb::ZERO
+        };
+        Conductor { reflectance, alpha, compensate, multiple }
+    }
+
+    /// GGX α.
+    pub fn alpha(&self) -> f32 {
+        self.alpha
+    }
+
+    /// True when a second lobe gives multiple scattering back.
+    pub fn compensates(&self) -> bool {
+        self.compensate
+    }
+
+    /// Average reflectance.
+    pub fn albedo(&self) -> Rgb {
+        self.reflectance.average()
+    }
+
+    /// The share of samples that go to the microfacet lobe.
+    #[inline(always)]
+    fn single_share(&self, e_o: f32) -> f32 {
+        if self.compensate { e_o.clamp(0.1, 1.0) } else { 1.0 }
+    }
+
+    /// (f_cos, pdf) of the microfacet lobe alone.
+    #[inline(always)]
+    fn single(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        let h = wo + wi;
+        if wi.z <= 0.0 || h == Vec3::ZERO {
+            return (Rgb::ZERO, 0.0);
+        }
+        let m = h.normalize();
+        let d = ggx::d(m, self.alpha);
+        let (lo, li) = (ggx::lambda(wo, self.alpha), ggx::lambda(wi, self.alpha));
+        // f·cos θi = F·D·G2/(4 cos θo); the visible-normal density of wi is D·G1/(4 cos θo).
+        let common = d / (4.0 * wo.z);
+        (self.reflectance.at(wo.dot(m)) * (common / (1.0 + lo + li)), common / (1.0 + lo))
+    }
+}
+
+impl Scatter for Conductor {
+    #[inline(always)]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        if self.alpha < SMOOTH || wi.z <= 0.0 {
+            return (Rgb::ZERO, 0.0);
+        }
+        let (single, single_pdf) = self.single(wo, wi);
+        if !self.compensate {
+            return (single, single_pdf);
+        }
+        let table = ggx::energy();
+        let (e_o, e_i) = (table.directional(wo.z, self.alpha), table.directional(wi.z, self.alpha));
+        let cos_pdf = cosine_hemisphere_pdf(wi.z);
+        let multiple = self.multiple * ((1.0 - e_o) * (1.0 - e_i) * cos_pdf);
+        let share = self.single_share(e_o);
+        (single + multiple, share * single_pdf + (1.0 - share) * cos_pdf)
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3, u: [f32; 2], lobe: f32) -> Option<Sample> {
+        if self.alpha < SMOOTH {
+            let weight = self.reflectance.at(wo.z);
+            return Some(Sample { wi: reflect(wo), weight, pdf: f32::INFINITY });
+        }
+        let single = !self.compensate
+            || lobe < self.single_share(ggx::energy().directional(wo.z, self.alpha));
+        let wi = if single {
+            let m = ggx::sample_visible_normal(wo, self.alpha, u);
+            m * (2.0 * wo.dot(m)) - wo
+        } else {
+            cosine_hemisphere(u)
+        };
+        if wi.z <= 0.0 {
+            return None;
+        }
+        let (f_cos, pdf) = self.eval(wo, wi);
+        (pdf > 0.0 && pdf.is_finite()).then(|| Sample { wi, weight: f_cos / pdf, pdf })
+    }
+
+    #[inline(always)]
+    fn is_delta(&self) -> bool {
+        self.alpha < SMOOTH
+    }
+}

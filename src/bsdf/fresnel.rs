@@ -1,0 +1,76 @@
+//! How much a smooth interface reflects.
+
+use crate::math::Rgb;
+
+/// Reflectance of a conductor with complex index `eta + i·k` (relative to air) for unpolarised light at
+/// incidence `cos`, one channel (Born and Wolf, 14.2).
+pub fn conductor(cos: f64, eta: f64, k: f64) -> f64 {
+    let cos2 = (cos * cos).clamp(0.0, 1.0);
+    let sin2 = 1.0 - cos2;
+    let t0 = eta * eta - k * k - sin2;
+    let a2b2 = (t0 * t0 + 4.0 * eta * eta * k * k).sqrt();
+    let a = (0.5 * (a2b2 + t0)).max(0.0).sqrt();
+    let t1 = a2b2 + cos2;
+    let t2 = 2.0 * cos * a;
+    let rs = (t1 - t2) / (t1 + t2);
+    let t3 = cos2 * a2b2 + sin2 * sin2;
+    let t4 = t2 * sin2;
+    let rp = if t3 + t4 > 0.0 { rs * (t3 - t4) / (t3 + t4) } else { rs };
+    (0.5 * (rs + rp)).clamp(0.0, 1.0)
+}
+
+/// How a conductor reflects at normal incidence and beyond.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reflectance {
+    /// The same at all angles.
+    Constant(Rgb),
+    /// A complex index of refraction per channel.
+    Index {
+        /// Real part.
+        eta: Rgb,
+        /// Imaginary part (absorption).
+        k: Rgb,
+    },
+}
+
+impl Reflectance {
+    /// Reflectance at incidence `cos`.
+    #[inline(always)]
+    pub fn at(&self, cos: f32) -> Rgb {
+        match self {
+            Reflectance::Constant(r) => *r,
+            Reflectance::Index { eta, k } => {
+                let channel = |i: usize| {
+                    conductor(f64::from(cos), f64::from(eta[i]), f64::from(k[i])) as f32
+                };
+                Rgb::new(channel(0), channel(1), channel(2))
+            }
+        }
+    }
+
+    /// The cosine-weighted average over the hemisphere, 2∫F(μ)μdμ.
+    pub fn average(&self) -> Rgb {
+        match self {
+            Reflectance::Constant(r) => *r,
+            Reflectance::Index { .. } => {
+                let n = 64;
+                let mean = |i: usize| {
+                    let mu = ((i as f32 + 0.5) / n as f32).sqrt();
+                    self.at(mu)
+                };
+                (0..n).map(mean).sum::<Rgb>() / n as f32
+            }
+        }
+    }
+}
+
+/// Metals by name: (name, eta, k) in linear Rec.709, from the spectra of the pure metals as renderers
+/// commonly tabulate them.
+pub const METALS: &[(&str, [f32; 3], [f32; 3])] = &[
+    ("aluminium", [1.657, 0.880, 0.521], [9.224, 6.270, 4.837]),
+    ("chromium", [4.370, 2.917, 1.654], [5.206, 4.231, 3.755]),
+    ("copper", [0.200, 0.924, 1.102], [3.912, 2.452, 2.142]),
+    ("gold", [0.143, 0.375, 1.442], [3.983, 2.386, 1.603]),
+    ("silver", [0.155, 0.117, 0.138], [4.828, 3.122, 2.147]),
+    ("tungsten", [4.371, 3.300, 2.998], [3.501, 2.605, 2.273]),
+];

@@ -1,0 +1,28 @@
+//! A perfect mirror.
+
+use super::{Sample, Scatter, reflect};
+use crate::math::{Rgb, Vec3};
+
+/// A perfect mirror with constant reflectance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mirror {
+    /// The share of light sent back, per channel in [0, 1], at every angle.
+    pub reflectance: Rgb,
+}
+
+impl Scatter for Mirror {
+    #[inline(always)]
+    fn eval(&self, _wo: Vec3, _wi: Vec3) -> (Rgb, f32) {
+        (Rgb::ZERO, 0.0)
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3, _u: [f32; 2], _lobe: f32) -> Option<Sample> {
+        Some(Sample { wi: reflect(wo), weight: self.reflectance, pdf: f32::INFINITY })
+    }
+
+    #[inline(always)]
+    fn is_delta(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,124 @@
+//! How surfaces scatter light: one file a model, the terms they share in [`fresnel`] and [`ggx`].
+//!
+//! Directions are local: z along the shading normal, which is on the side of `wo`; `wo` points to the
+//! viewer and `wi` to the light, both unit and both away from the surface. `f_cos` is the BRDF times
+//! |cos θi| (the notes' ρ·(n·d_i) of eq. 1); `pdf` is per solid angle, and infinite for a direction that
+//! only a delta can choose.
+//!
+//! A new model is one file, one variant of [`Material`]'s [`Bsdf`] and one line in [`Bsdf::NAMES`].
+
+pub mod conductor;
+pub mod diffuse;
+pub mod fresnel;
+pub mod ggx;
+pub mod mirror;
+
+pub use conductor::Conductor;
+pub use diffuse::Diffuse;
+pub use mirror::Mirror;
+
+use crate::math::{Rgb, Vec3};
+
+/// A direction chosen by [`Scatter::sample`].
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// The direction to follow.
+    pub wi: Vec3,
+    /// f_cos/pdf.
+    pub weight: Rgb,
+    /// Density of `wi` per solid angle; infinite for a delta.
+    pub pdf: f32,
+}
+
+/// What one vertex of a path asks of its material.
+pub trait Scatter {
+    /// (f_cos, pdf) of the non-delta part; `wo.z > 0`. Zero where no light passes.
+    fn eval(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32);
+
+    /// A direction by importance: `u` places it, `lobe` chooses between lobes. `None` absorbs.
+    fn sample(&self, wo: Vec3, u: [f32; 2], lobe: f32) -> Option<Sample>;
+
+    /// True when [`Scatter::eval`] is zero everywhere, so that light samples would be wasted.
+    fn is_delta(&self) -> bool;
+}
+
+/// The models.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Bsdf {
+    /// Lambert's law.
+    Diffuse(Diffuse),
+    /// A perfect mirror.
+    Mirror(Mirror),
+    /// A rough metal.
+    Conductor(Conductor),
+}
+
+impl Bsdf {
+    /// Every model's name in scene files, with what it is.
+    pub const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("diffuse", "Lambert's law: the same radiance in all directions"),
+        ("mirror", "a perfect mirror"),
+        ("conductor", "a metal, smooth or rough (GGX)"),
+    ];
+
+    /// The model's place in [`Bsdf::NAMES`]; waves shade lanes of one kind together.
+    #[inline(always)]
+    pub fn kind(&self) -> usize {
+        match self {
+            Bsdf::Diffuse(_) => 0,
+            Bsdf::Mirror(_) => 1,
+            Bsdf::Conductor(_) => 2,
+        }
+    }
+
+    /// The share of light sent back on average, for the albedo layer.
+    pub fn albedo(&self) -> Rgb {
+        match self {
+            Bsdf::Diffuse(m) => m.reflectance,
+            Bsdf::Mirror(m) => m.reflectance,
+            Bsdf::Conductor(m) => m.albedo(),
+        }
+    }
+
+    /// True when sampling needs the `lobe` number.
+    pub fn has_lobes(&self) -> bool {
+        match self {
+            Bsdf::Diffuse(_) | Bsdf::Mirror(_) => false,
+            Bsdf::Conductor(m) => m.compensates(),
+        }
+    }
+}
+
+/// A surface's material: how it scatters and what it emits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// The name in the MTL or scene file.
+    pub name: String,
+    /// How it scatters.
+    pub bsdf: Bsdf,
+    /// Emitted radiance, the same in all directions.
+    pub emission: Rgb,
+    /// False: only the side that `ng` points to scatters and emits; the other is black.
+    pub two_sided: bool,
+}
+
+impl Material {
+    /// A two-sided diffuse material that emits nothing.
+    pub fn diffuse(name: impl Into<String>, reflectance: Rgb) -> Material {
+        Material {
+            name: name.into(),
+            bsdf: Bsdf::Diffuse(Diffuse { reflectance }),
+            emission: Rgb::ZERO,
+            two_sided: true,
+        }
+    }
+}
+
+/// The mirror direction of `wo` about z.
+#[inline(always)]
+pub(crate) fn reflect(wo: Vec3) -> Vec3 {
+    Vec3::new(-wo.x, -wo.y, wo.z)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,166 @@
+//! Cameras: from a point of the image to a ray. One file a kind.
+//!
+//! Camera coordinates: x (`right`) to the right of the picture, y (`up`) up, looking along `forward`. The
+//! image plane is the notes' p(α, β) of 13.1 with α to the right and β up: a rectangle [left, right] ×
+//! [bottom, top] at distance f in front of the eye, through which eq. (5)'s directions pass. Pixel (0, 0) is
+//! the top left one.
+
+mod orthographic;
+mod perspective;
+
+use crate::error::{Error, Result};
+use crate::math::{DVec3, Vec3};
+
+/// The rectangle of the image plane that the picture shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// L, the α of the left border.
+    pub left: f64,
+    /// R, the α of the right border.
+    pub right: f64,
+    /// T, the β of the upper border.
+    pub top: f64,
+    /// B, the β of the lower border.
+    pub bottom: f64,
+    /// f, the plane's distance from the eye; unused by the orthographic camera.
+    pub distance: f64,
+}
+
+/// How points of the image become rays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Rays from one point (or lens) through the image plane.
+    Perspective,
+    /// Parallel rays; the window is in metres.
+    Orthographic,
+}
+
+impl Projection {
+    /// Every projection's name in scene files, with what it is.
+    pub const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("perspective", "rays from one point, or from a lens, through the image plane"),
+        ("orthographic", "parallel rays; `height` is the picture's height in metres"),
+    ];
+}
+
+/// A camera as a scene file describes it: plain data in the file's own coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraSpec {
+    /// Perspective or orthographic.
+    pub projection: Projection,
+    /// The eye.
+    pub position: DVec3,
+    /// The point in the middle of the view.
+    pub look_at: DVec3,
+    /// Roughly up; must not be parallel to the view.
+    pub up: DVec3,
+    /// The window for a picture of `size` pixels.
+    pub window: Window,
+    /// Lens radius in metres; 0 is a pinhole.
+    pub aperture: f64,
+    /// Distance of the plane in focus along the viewing axis, in metres.
+    pub focus_distance: f64,
+}
+
+impl CameraSpec {
+    /// The window of a perspective camera with vertical field of view `fov` (degrees) at distance 1.
+    pub fn fov_window(fov: f64, size: [u32; 2]) -> Window {
+        Self::symmetric_window(libm::tan(fov.to_radians() * 0.5), size)
+    }
+
+    /// The window of an orthographic camera that shows `height` metres.
+    pub fn height_window(height: f64, size: [u32; 2]) -> Window {
+        Self::symmetric_window(0.5 * height, size)
+    }
+
+    fn symmetric_window(top: f64, size: [u32; 2]) -> Window {
+        let right = top * f64::from(size[0]) / f64::from(size[1]);
+        Window { left: -right, right, top, bottom: -top, distance: 1.0 }
+    }
+}
+
+/// A camera ready to make rays, in scene coordinates.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    projection: Projection,
+    eye: Vec3,
+    right: Vec3,
+    up: Vec3,
+    forward: Vec3,
+    window: [f32; 4],
+    distance: f32,
+    aperture: f32,
+    focus_distance: f32,
+}
+
+/// A ray leaving the camera; `d` is unit.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraRay {
+    /// Origin.
+    pub o: Vec3,
+    /// Unit direction.
+    pub d: Vec3,
+}
+
+impl Camera {
+    /// Places the camera of `spec` in the scene whose coordinates are the file's minus `origin`.
+    ///
+    /// # Errors
+    /// The eye on the point looked at, `up` parallel to the view, numbers that are not finite, or an empty window.
+    pub fn new(spec: &CameraSpec, origin: DVec3) -> Result<Camera> {
+        let view = spec.look_at - spec.position;
+        if !(spec.position.is_finite() && spec.look_at.is_finite() && spec.up.is_finite()) {
+            return Err(Error::new("camera: position, look_at and up must be finite"));
+        }
+        let forward = view.try_normalize().ok_or_else(|| {
+            Error::new("camera: position and look_at are the same point").advise("move one of them")
+        })?;
+        let right = forward.cross(spec.up).try_normalize().filter(|_| {
+            forward.cross(spec.up).length() > 1e-6 * spec.up.length()
+        });
+        let right = right.ok_or_else(|| {
+            Error::new("camera: up is parallel to the view").advise("choose another up, e.g. [0, 0, 1]")
+        })?;
+        let up = right.cross(forward);
+        let w = &spec.window;
+        let sound = |x: f64| x.is_finite() && x.abs() < 1e18;
+        if ![w.left, w.right, w.top, w.bottom].into_iter().all(sound)
+            || w.left == w.right
+            || w.top == w.bottom
+            || !(w.distance > 0.0 && sound(w.distance))
+        {
+            return Err(Error::new("camera: the image plane is empty or not finite"));
+        }
+        Ok(Camera {
+            projection: spec.projection,
+            eye: (spec.position - origin).as_vec3(),
+            right: right.as_vec3(),
+            up: up.as_vec3(),
+            forward: forward.as_vec3(),
+            window: [w.left as f32, w.right as f32, w.top as f32, w.bottom as f32],
+            distance: w.distance as f32,
+            aperture: spec.aperture as f32,
+            focus_distance: spec.focus_distance as f32,
+        })
+    }
+
+    /// The ray through image point (`x`, `y`), where (0, 0) is the top left and (1, 1) the bottom right
+    /// corner of the picture; `lens` is uniform in the unit square.
+    #[inline(always)]
+    pub fn ray(&self, x: f32, y: f32, lens: [f32; 2]) -> CameraRay {
+        let [l, r, t, b] = self.window;
+        let (alpha, beta) = (l + x * (r - l), t + y * (b - t));
+        match self.projection {
+            Projection::Perspective => self.perspective_ray(alpha, beta, lens),
+            Projection::Orthographic => self.orthographic_ray(alpha, beta),
+        }
+    }
+
+    /// True when rays depend on the lens sample.
+    pub fn has_lens(&self) -> bool {
+        self.aperture > 0.0 && self.projection == Projection::Perspective
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,58 @@
+use super::*;
+
+fn spec(projection: Projection, window: Window) -> CameraSpec {
+    CameraSpec {
+        projection,
+        position: DVec3::new(0.0, 1.0, 5.0),
+        look_at: DVec3::new(0.0, 1.0, 0.0),
+        up: DVec3::Y,
+        window,
+        aperture: 0.0,
+        focus_distance: 5.0,
+    }
+}
+
+#[test]
+fn the_top_left_corner_is_up_and_to_the_left() {
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        let window = CameraSpec::fov_window(90.0, [200, 100]);
+        let camera = Camera::new(&spec(projection, window), DVec3::ZERO).unwrap();
+        let ray = camera.ray(0.0, 0.0, [0.5; 2]);
+        let at = ray.o + ray.d;
+        assert!(at.x < 0.0 && at.y > 1.0 && at.z < 5.0, "{projection:?}: {at}");
+    }
+}
+
+#[test]
+fn the_vertical_field_of_view_is_between_the_borders() {
+    let window = CameraSpec::fov_window(40.0, [300, 200]);
+    let camera = Camera::new(&spec(Projection::Perspective, window), DVec3::ZERO).unwrap();
+    let (top, bottom) = (camera.ray(0.5, 0.0, [0.5; 2]).d, camera.ray(0.5, 1.0, [0.5; 2]).d);
+    assert!((top.dot(bottom).acos().to_degrees() - 40.0).abs() < 1e-3);
+}
+
+#[test]
+fn lens_rays_meet_in_the_plane_of_focus() {
+    let window = CameraSpec::fov_window(40.0, [300, 200]);
+    let mut spec = spec(Projection::Perspective, window);
+    (spec.aperture, spec.focus_distance) = (0.2, 3.0);
+    let camera = Camera::new(&spec, DVec3::new(0.0, 1.0, 0.0)).unwrap();
+    let meet = |lens| {
+        let ray = camera.ray(0.3, 0.7, lens);
+        ray.o + ray.d * ((2.0 - ray.o.z) / ray.d.z)
+    };
+    assert!((meet([0.1, 0.2]) - meet([0.9, 0.6])).length() < 1e-5);
+    assert!((camera.ray(0.3, 0.7, [0.0, 0.5]).o - camera.eye).length() > 0.19);
+}
+
+#[test]
+fn impossible_cameras_are_refused() {
+    let window = CameraSpec::fov_window(40.0, [300, 200]);
+    let good = spec(Projection::Perspective, window);
+    let refused = |spec: &CameraSpec| Camera::new(spec, DVec3::ZERO).is_err();
+    assert!(refused(&CameraSpec { look_at: good.position, ..good.clone() }));
+    assert!(refused(&CameraSpec { up: DVec3::Z, ..good.clone() }));
+    assert!(refused(&CameraSpec { position: DVec3::NAN, ..good.clone() }));
+    assert!(refused(&CameraSpec { window: Window { right: window.left, ..window }, ..good.clone() }));
+    assert!(!refused(&good));
+}

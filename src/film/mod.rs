@@ -1,0 +1,10 @@
+//! The film: what samples of a pixel become. Sums are f64; the filter is sampled, not splatted, so that a
+//! sample touches one pixel; layers have names from the start.
+
+pub mod filter;
+mod image;
+mod store;
+
+pub use filter::Filter;
+pub use image::{Channel, Data, Image};
+pub use store::{Aov, Film, FirstHit, Tile};

@@ -1,0 +1,211 @@
+//! How a scene is rendered. Every field is a key of the scene file's `[film]` or `[render]`, and all of it
+//! goes into the picture's `drt` attribute.
+
+use crate::accel::{Backend, Quality};
+use crate::error::{Error, Result, unknown_word_advice};
+use crate::film::{Aov, Filter};
+
+/// What is computed along the rays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum IntegratorKind {
+    /// Path tracing: everything that light does.
+    Path,
+    /// Emitted and direct light only: `path` with `max_depth` at most 1.
+    Direct,
+    /// Ambient occlusion: the cosine-weighted share of the hemisphere that is free.
+    Ao {
+        /// How far an occluder counts, in metres; infinite by default.
+        distance: f32,
+    },
+    /// The shading normal as a colour, (n+1)/2.
+    Normals,
+}
+
+/// Where the numbers come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SamplerKind {
+    /// Owen-scrambled Sobol points.
+    Sobol,
+    /// Jittered strata, as many as there are samples in a pixel.
+    Stratified,
+    /// Independent random numbers.
+    Random,
+}
+
+/// Which sampling finds the lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightSampling {
+    /// Light and BSDF sampling, combined by multiple importance sampling; lights that BSDF sampling finds
+    /// as well by itself (a constant environment) get no light samples.
+    Mis,
+    /// Light sampling alone; only mirrors find lights by their own direction.
+    Light,
+    /// BSDF sampling alone; lights that cannot be hit (points) keep their own term.
+    Bsdf,
+}
+
+/// How much work goes into the acceleration structure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BuildQuality {
+    /// Chosen from the triangle count and the number of samples.
+    Auto,
+    /// As said.
+    Fixed(Quality),
+}
+
+/// Looks a word up in a list of (name, meaning, value).
+fn lookup<T: Copy>(what: &str, word: &str, table: &[(&'static str, &'static str, T)]) -> Result<T> {
+    table.iter().find(|row| row.0 == word).map(|row| row.2).ok_or_else(|| {
+        let known: Vec<&str> = table.iter().map(|row| row.0).collect();
+        Error::usage(format!("unknown {what} \"{word}\"")).advise(unknown_word_advice(word, &known))
+    })
+}
+
+/// Name of a value in a list of (name, meaning, value).
+fn name_in<T: PartialEq>(value: &T, table: &[(&'static str, &'static str, T)]) -> &'static str {
+    table.iter().find(|row| row.2 == *value).map_or("", |row| row.0)
+}
+
+impl IntegratorKind {
+    /// Name, meaning, value with its usual parameters.
+    pub const TABLE: &'static [(&'static str, &'static str, IntegratorKind)] = &[
+        ("path", "path tracing: everything that light does", IntegratorKind::Path),
+        ("direct", "emitted and direct light only", IntegratorKind::Direct),
+        ("ao", "ambient occlusion: the free share of the hemisphere", IntegratorKind::Ao { distance: f32::INFINITY }),
+        ("normals", "shading normals as colours", IntegratorKind::Normals),
+    ];
+
+    /// The integrator of that name.
+    pub fn from_name(word: &str) -> Result<Self> {
+        lookup("integrator", word, Self::TABLE)
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &'static str {
+        match self {
+            IntegratorKind::Path => "path",
+            IntegratorKind::Direct => "direct",
+            IntegratorKind::Ao { .. } => "ao",
+            IntegratorKind::Normals => "normals",
+        }
+    }
+}
+
+impl SamplerKind {
+    /// Name, meaning, value.
+    pub const TABLE: &'static [(&'static str, &'static str, SamplerKind)] = &[
+        ("sobol", "Owen-scrambled Sobol points: the least noise", SamplerKind::Sobol),
+        ("stratified", "jittered strata, one a sample of the pixel", SamplerKind::Stratified),
+        ("random", "independent random numbers", SamplerKind::Random),
+    ];
+
+    /// The sampler of that name.
+    pub fn from_name(word: &str) -> Result<Self> {
+        lookup("sampler", word, Self::TABLE)
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        name_in(&self, Self::TABLE)
+    }
+}
+
+impl LightSampling {
+    /// Name, meaning, value.
+    pub const TABLE: &'static [(&'static str, &'static str, LightSampling)] = &[
+        ("mis", "light and BSDF sampling combined", LightSampling::Mis),
+        ("light", "light sampling alone", LightSampling::Light),
+        ("bsdf", "BSDF sampling alone", LightSampling::Bsdf),
+    ];
+
+    /// The strategy of that name.
+    pub fn from_name(word: &str) -> Result<Self> {
+        lookup("light sampling", word, Self::TABLE)
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        name_in(&self, Self::TABLE)
+    }
+}
+
+impl BuildQuality {
+    /// Name, meaning, value.
+    pub const TABLE: &'static [(&'static str, &'static str, BuildQuality)] = &[
+        ("auto", "by triangle count and number of samples", BuildQuality::Auto),
+        ("low", "fast to build", BuildQuality::Fixed(Quality::Low)),
+        ("medium", "the ordinary one", BuildQuality::Fixed(Quality::Medium)),
+        ("high", "slow to build", BuildQuality::Fixed(Quality::High)),
+    ];
+
+    /// The quality of that name.
+    pub fn from_name(word: &str) -> Result<Self> {
+        lookup("build quality", word, Self::TABLE)
+    }
+
+    /// The quality for a picture of `samples` = width·height·spp of the full image over `triangles`.
+    ///
+    /// A low-quality structure is built four times as fast and traced about a third slower, so it wins for
+    /// few samples on many triangles: below about six samples a triangle and 20 million in all.
+    pub fn resolve(self, triangles: u64, samples: u64) -> Quality {
+        match self {
+            BuildQuality::Fixed(quality) => quality,
+            BuildQuality::Auto if triangles > 100_000 && samples < 20_000_000.min(6 * triangles) => Quality::Low,
+            BuildQuality::Auto => Quality::Medium,
+        }
+    }
+}
+
+/// How a scene is rendered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// The part of the picture that is rendered: x, y, width, height; `None`: all of it.
+    pub crop: Option<[u32; 4]>,
+    /// Pixel filter.
+    pub filter: Filter,
+    /// Layers of the first hit.
+    pub aovs: Vec<Aov>,
+    /// What is computed.
+    pub integrator: IntegratorKind,
+    /// Which sampling finds the lights.
+    pub lights: LightSampling,
+    /// Russian roulette, unbiased, from the third scattering on.
+    pub roulette: bool,
+    /// Samples a pixel.
+    pub spp: u32,
+    /// Scattering events at most.
+    pub max_depth: u32,
+    /// Seed of all random choices.
+    pub seed: u64,
+    /// Where the numbers come from.
+    pub sampler: SamplerKind,
+    /// Who intersects.
+    pub backend: Backend,
+    /// Effort of the acceleration structure.
+    pub build: BuildQuality,
+    /// Less memory, slower rays.
+    pub compact: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            size: [640, 480],
+            crop: None,
+            filter: Filter::Box { radius: 0.5 },
+            aovs: Vec::new(),
+            integrator: IntegratorKind::Path,
+            lights: LightSampling::Mis,
+            roulette: true,
+            spp: 64,
+            max_depth: 16,
+            seed: 0,
+            sampler: SamplerKind::Sobol,
+            backend: Backend::ALL[0],
+            build: BuildQuality::Auto,
+            compact: false,
+        }
+    }
+}
