@@ -8,4 +8,6 @@ pub mod light;
 pub mod camera;
 pub mod film;
 pub mod scene;
+pub mod sampler;
+pub mod integrator;
 pub mod render;

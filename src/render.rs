@@ -2,9 +2,14 @@
 
 use crate::accel::{BuildOptions, Intersector};
 use crate::error::Result;
-use crate::film::Image;
-use crate::math::isa::Isa;
-use crate::scene::{Scene, Settings};
+use crate::film::{Film, Filter, Image, Tile};
+use crate::integrator::wave::{Job, Wave};
+use crate::integrator::{Ao, Context, Integrator, Normals, Path};
+use crate::math::isa::{self, Isa, Kernel};
+use crate::scene::{IntegratorKind, Scene, Settings};
+use rayon::prelude::*;
+use serde_json::json;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// How far a phase is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,4 +82,203 @@ pub fn build(scene: &Scene, settings: &Settings, isa: Option<Isa>, hooks: &Hooks
         progress: &progress,
     };
     settings.backend.build(&scene.meshes, &options)
+}
+
+/// The samples of block `k`: the first sample alone, so that a whole picture exists soon; the other 15 of
+/// the first 16; then 16 at a time. Fixed, since waves are part of what a picture's bits depend on.
+fn block(k: u32) -> std::ops::Range<u32> {
+    match k {
+        0 => 0..1,
+        1 => 1..16,
+        _ => 16 * (k - 1)..16 * k,
+    }
+}
+
+/// Renders `scene` with a structure that [`build`] made.
+///
+/// # Errors
+/// A camera that cannot be, or not enough memory for the film.
+pub fn render(
+    scene: &Scene,
+    settings: &Settings,
+    accel: &dyn Intersector,
+    isa: Option<Isa>,
+    hooks: &Hooks<'_>,
+) -> Result<Rendering> {
+    let max_depth = settings.max_depth;
+    let path = |max_depth| Path { max_depth, lights: settings.lights, roulette: settings.roulette };
+    let job = Picture { scene, settings, accel, isa: isa.unwrap_or(Isa::best()), hooks };
+    match settings.integrator {
+        IntegratorKind::Path => job.render(&path(max_depth)),
+        IntegratorKind::Direct => job.render(&path(max_depth.min(1))),
+        IntegratorKind::Ao { distance } => job.render(&Ao { distance }),
+        IntegratorKind::Normals => job.render(&Normals),
+    }
+}
+
+struct Picture<'a> {
+    scene: &'a Scene,
+    settings: &'a Settings,
+    accel: &'a dyn Intersector,
+    isa: Isa,
+    hooks: &'a Hooks<'a>,
+}
+
+impl Picture<'_> {
+    fn render<I: Integrator>(&self, integrator: &I) -> Result<Rendering> {
+        let s = self.settings;
+        let cx = Context::new(self.scene, s)?;
+        let film = Film::new(s.size, !s.aovs.is_empty())?;
+        let crop = s.crop.unwrap_or([0, 0, s.size[0], s.size[1]]);
+        let tiles = touched_tiles(crop);
+        let total = u64::from(crop[2]) * u64::from(crop[3]) * u64::from(s.spp);
+        let done = AtomicU64::new(0);
+        let mut stats = RenderStats::default();
+        let mut complete = true;
+        for samples in (0..).map(block).take_while(|b| b.start < s.spp) {
+            let samples = samples.start..samples.end.min(s.spp);
+            let pass = Pass { cx: &cx, integrator, film: &film, samples, tiles: &tiles, done: &done, total };
+            let (pass_stats, pass_complete) = self.pass(&pass);
+            stats = stats.plus(&pass_stats);
+            complete &= pass_complete;
+            if !complete {
+                break;
+            }
+        }
+        let settings = settings_json(s, self.accel, self.scene, film.samples_done(crop));
+        let image = film.develop(crop, &s.aovs, self.scene.origin, settings);
+        Ok(Rendering { image, stats, complete })
+    }
+
+    /// One block of samples over all tiles, in parallel; false when it was stopped.
+    fn pass<I: Integrator>(&self, pass: &Pass<'_, I>) -> (RenderStats, bool) {
+        let pixels = u64::from(Film::TILE * Film::TILE) * pass.samples.len() as u64;
+        let tile = |wave: &mut Wave, tile: &[u32; 2]| {
+            if (self.hooks.stop)() {
+                return (RenderStats::default(), false);
+            }
+            let index = tile[1] as usize * pass.film.tiles()[0] as usize + tile[0] as usize;
+            let job = Job {
+                cx: pass.cx,
+                integrator: pass.integrator,
+                accel: self.accel,
+                tile: *tile,
+                samples: pass.samples.clone(),
+                layers: !self.settings.aovs.is_empty(),
+            };
+            pass.film.with_tile(index, |tile| isa::run(self.isa, TileKernel { wave, job: &job, tile }));
+            let done = pass.done.fetch_add(pixels, Ordering::Relaxed) + pixels;
+            (self.hooks.progress)(Progress::Render(done.min(pass.total), pass.total));
+            (wave.take_stats(), true)
+        };
+        pass.tiles
+            .par_iter()
+            .map_init(Wave::default, tile)
+            .reduce(|| (RenderStats::default(), true), |a, b| (a.0.plus(&b.0), a.1 && b.1))
+    }
+}
+
+/// One block of samples over the picture.
+struct Pass<'a, I> {
+    cx: &'a Context<'a>,
+    integrator: &'a I,
+    film: &'a Film,
+    samples: std::ops::Range<u32>,
+    tiles: &'a [[u32; 2]],
+    done: &'a AtomicU64,
+    total: u64,
+}
+
+/// A wave, compiled per instruction set.
+struct TileKernel<'a, I> {
+    wave: &'a mut Wave,
+    job: &'a Job<'a, I>,
+    tile: &'a mut Tile,
+}
+
+impl<I: Integrator> Kernel for TileKernel<'_, I> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        self.wave.run(self.job, self.tile);
+    }
+}
+
+/// The tiles that `crop` touches, column and row; whole tiles are traced, so that a crop's pixels are those
+/// of the full picture.
+fn touched_tiles([x, y, w, h]: [u32; 4]) -> Vec<[u32; 2]> {
+    let range = |start: u32, length: u32| start / Film::TILE..(start + length).div_ceil(Film::TILE);
+    range(y, h).flat_map(|row| range(x, w).map(move |column| [column, row])).collect()
+}
+
+impl RenderStats {
+    /// The sums of both.
+    #[must_use]
+    pub fn plus(&self, other: &RenderStats) -> RenderStats {
+        RenderStats {
+            camera_rays: self.camera_rays + other.camera_rays,
+            bounce_rays: self.bounce_rays + other.bounce_rays,
+            shadow_rays: self.shadow_rays + other.shadow_rays,
+            rejected_rays: self.rejected_rays + other.rejected_rays,
+            invalid_samples: self.invalid_samples + other.invalid_samples,
+            intersect_seconds: self.intersect_seconds + other.intersect_seconds,
+            shade_seconds: self.shade_seconds + other.shade_seconds,
+            rest_seconds: self.rest_seconds + other.rest_seconds,
+        }
+    }
+}
+
+/// The `drt` attribute: canonical JSON with sorted keys of everything that the picture's bits depend on.
+/// No threads, paths, host, time or command line.
+fn settings_json(s: &Settings, accel: &dyn Intersector, scene: &Scene, samples: (u32, u32)) -> String {
+    let samples_of_image = u64::from(s.size[0]) * u64::from(s.size[1]) * u64::from(s.spp);
+    let filter = match s.filter {
+        Filter::Box { radius } => json!({ "type": "box", "radius": radius }),
+        Filter::Gaussian { sigma, radius } => json!({ "type": "gaussian", "sigma": sigma, "radius": radius }),
+    };
+    let integrator = match s.integrator {
+        IntegratorKind::Ao { distance } if distance.is_finite() => json!({ "type": "ao", "distance": distance }),
+        other => json!(other.name()),
+    };
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "film": { "size": s.size, "crop": s.crop, "filter": filter },
+        "render": {
+            "integrator": integrator,
+            "lights": s.lights.name(),
+            "roulette": s.roulette,
+            "spp": s.spp,
+            "max_depth": s.max_depth,
+            "seed": s.seed,
+            "sampler": s.sampler.name(),
+            "backend": s.backend.name(),
+            "isa": accel.isa(),
+            "build": s.build.resolve(scene.triangles(), samples_of_image).name(),
+            "compact": s.compact,
+        },
+        "samples_done": { "min": samples.0, "max": samples.1 },
+        "complete": samples.0 == s.spp,
+    })
+    .to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_follow_each_other_without_gap() {
+        let mut next = 0;
+        for k in 0..100 {
+            assert_eq!(block(k).start, next);
+            next = block(k).end;
+        }
+        assert_eq!(next, 16 * 99);
+    }
+
+    #[test]
+    fn a_crop_touches_whole_tiles() {
+        assert_eq!(touched_tiles([0, 0, 8, 8]), [[0, 0]]);
+        assert_eq!(touched_tiles([7, 15, 2, 1]), [[0, 1], [1, 1]]);
+    }
 }

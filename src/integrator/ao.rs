@@ -1,0 +1,32 @@
+//! Ambient occlusion: the cosine-weighted share of the hemisphere over the first hit that is free.
+
+use super::{Arrival, Context, Integrator, Sink, Vertex};
+use crate::bsdf::Scatter;
+use crate::math::ray::{Ray, leave};
+use crate::math::warp::cosine_hemisphere;
+use crate::math::{Rgb, Vec3};
+
+/// Ambient occlusion; 1 where nothing occludes, and where nothing is hit.
+#[derive(Clone, Copy, Debug)]
+pub struct Ao {
+    /// How far an occluder counts, in metres.
+    pub distance: f32,
+}
+
+impl Integrator for Ao {
+    #[inline(always)]
+    fn vertex<B: Scatter>(&self, cx: &Context<'_>, v: &Vertex, _bsdf: &B, out: &mut impl Sink) {
+        let dimensions = cx.dimensions.at(v.arrival.depth);
+        let u = cx.sampler.d2(v.arrival.key, dimensions.bsdf);
+        let wi = v.frame.to_world(cosine_hemisphere(u));
+        if v.surface.ng.dot(wi) * v.surface.ng.dot(v.wo) > 0.0 {
+            let o = leave(v.surface.p, v.surface.error, v.surface.ng, wi);
+            out.connect(Ray { o, d: wi, tmax: self.distance }, Rgb::ONE);
+        }
+    }
+
+    #[inline(always)]
+    fn miss(&self, _cx: &Context<'_>, _d: Vec3, _arrival: &Arrival, out: &mut impl Sink) {
+        out.emit(Rgb::ONE);
+    }
+}

@@ -1,0 +1,133 @@
+//! What every vertex may look at, prepared once a picture.
+
+use super::Vertex;
+use crate::bsdf::Material;
+use crate::camera::Camera;
+use crate::error::Result;
+use crate::film::filter::FilterSampler;
+use crate::light::{Emission, Lights};
+use crate::sampler::Sampler;
+use crate::scene::{IntegratorKind, LightSampling, Scene, Settings};
+use crate::shape::Mesh;
+use std::sync::Arc;
+
+/// The scene and the tables of one picture.
+#[derive(Debug)]
+pub struct Context<'a> {
+    /// The meshes that hits name.
+    pub meshes: &'a [Arc<Mesh>],
+    /// The materials that faces name.
+    pub materials: &'a [Material],
+    /// All lights.
+    pub lights: Lights,
+    /// The camera.
+    pub camera: Camera,
+    /// Draws places in the pixel.
+    pub filter: FilterSampler,
+    /// Draws numbers.
+    pub sampler: Sampler,
+    /// Which number is used for what.
+    pub dimensions: Dimensions,
+    /// True when vertices take light samples.
+    pub samples_lights: bool,
+    /// True when a BSDF of the scene chooses between lobes.
+    pub has_lobes: bool,
+    /// Width and height of the full picture.
+    pub size: [u32; 2],
+}
+
+impl<'a> Context<'a> {
+    /// Prepares `scene` for a picture as `settings` say.
+    ///
+    /// # Errors
+    /// A camera that cannot be.
+    pub fn new(scene: &'a Scene, settings: &Settings) -> Result<Context<'a>> {
+        let emission = |m: &Material| Emission { radiance: m.emission, two_sided: m.two_sided };
+        let bounds = scene.bounds();
+        let lights = Lights::new(
+            &scene.meshes,
+            scene.materials.iter().map(emission).collect(),
+            &scene.lights,
+            0.5 * bounds.extent().length(),
+            settings.lights == LightSampling::Light,
+        );
+        let camera = Camera::new(&scene.camera, scene.origin)?;
+        let has_lobes = scene.materials.iter().any(|m| m.bsdf.has_lobes());
+        let lit = matches!(settings.integrator, IntegratorKind::Path | IntegratorKind::Direct);
+        let samples_lights = lit && !lights.is_empty();
+        Ok(Context {
+            meshes: &scene.meshes,
+            materials: &scene.materials,
+            dimensions: Dimensions::new(camera.has_lens(), has_lobes, samples_lights),
+            lights,
+            camera,
+            filter: FilterSampler::new(settings.filter),
+            sampler: Sampler::new(settings.sampler, settings.seed, settings.spp),
+            samples_lights,
+            has_lobes,
+            size: settings.size,
+        })
+    }
+
+    /// False on the black side of a one-sided material.
+    #[inline(always)]
+    pub fn scatters(&self, v: &Vertex) -> bool {
+        self.materials[v.material as usize].two_sided || v.surface.ng.dot(v.wo) > 0.0
+    }
+}
+
+/// Which dimension of a sample decides what. Only decisions that the picture can need get one of the first
+/// dimensions, which are the best distributed.
+#[derive(Clone, Copy, Debug)]
+pub struct Dimensions {
+    first: u32,
+    stride: u32,
+    lobes: u32,
+}
+
+/// The dimensions of one vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct VertexDimensions {
+    /// Two: the scattered direction.
+    pub bsdf: u32,
+    /// One: which lobe.
+    pub lobe: u32,
+    /// Two: the place on the light.
+    pub light: u32,
+    /// One: which light.
+    pub choice: u32,
+    /// One: whether the path goes on.
+    pub roulette: u32,
+}
+
+impl Dimensions {
+    /// Two: the place in the pixel.
+    pub const PIXEL: u32 = 0;
+    /// Two: the place on the lens.
+    pub const LENS: u32 = 2;
+    /// Roulette's dimensions begin here, out of the way of the others.
+    const ROULETTE: u32 = 1 << 20;
+
+    fn new(lens: bool, lobes: bool, lights: bool) -> Dimensions {
+        let lobes = u32::from(lobes);
+        Dimensions {
+            first: if lens { 4 } else { 2 },
+            stride: 2 + lobes + if lights { 3 } else { 0 },
+            lobes,
+        }
+    }
+
+    /// The dimensions of the vertex that is reached after `depth` scattering events.
+    #[inline(always)]
+    pub fn at(&self, depth: u32) -> VertexDimensions {
+        let base = self.first + self.stride * depth;
+        let light = base + 2 + self.lobes;
+        VertexDimensions {
+            bsdf: base,
+            lobe: base + 2,
+            light,
+            choice: light + 2,
+            roulette: Self::ROULETTE + depth,
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! Shading normals as colours.
+
+use super::{Arrival, Context, Integrator, Sink, Vertex};
+use crate::bsdf::Scatter;
+use crate::math::{Rgb, Vec3};
+
+/// (n+1)/2 of the shading normal on the viewer's side; black where nothing is hit.
+#[derive(Clone, Copy, Debug)]
+pub struct Normals;
+
+impl Integrator for Normals {
+    #[inline(always)]
+    fn vertex<B: Scatter>(&self, _cx: &Context<'_>, v: &Vertex, _bsdf: &B, out: &mut impl Sink) {
+        out.emit((v.frame.n + Vec3::ONE) * 0.5);
+    }
+
+    #[inline(always)]
+    fn miss(&self, _cx: &Context<'_>, _d: Vec3, _arrival: &Arrival, out: &mut impl Sink) {
+        out.emit(Rgb::ZERO);
+    }
+}

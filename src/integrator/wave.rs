@@ -1,0 +1,362 @@
+//! Waves: some hundreds of paths advanced together, in chunks of [`LANES`] lanes.
+//!
+//! A wave is one tile of the picture times one block of samples, formed from the full picture's fixed grid,
+//! so that it is the same wave, and the same bits, whatever is cropped, resumed or run in parallel. It
+//! repeats `extend` (closest hits) → `shade` (lanes grouped by BSDF, each vertex pushing into the next
+//! chunks, which also compacts them) → `connect` (shadow rays) until no path is left. It knows no physics.
+
+use super::{Arrival, Context, Integrator, Sink, Vertex};
+use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, Rays};
+use crate::bsdf::{Bsdf, Scatter};
+use crate::film::{Film, FirstHit, Tile};
+use crate::math::ray::Ray;
+use crate::math::{Rgb, Vec3};
+use crate::render::RenderStats;
+use crate::sampler::Key;
+use crate::shape::Surface;
+use std::ops::Range;
+use std::time::Instant;
+
+/// What a path carries besides its ray, structure of arrays.
+#[derive(Clone, Debug)]
+struct Paths {
+    beta: [[f32; LANES]; 3],
+    pdf: [f32; LANES],
+    slot: [u32; LANES],
+}
+
+impl Paths {
+    const EMPTY: Paths = Paths { beta: [[0.0; LANES]; 3], pdf: [0.0; LANES], slot: [0; LANES] };
+}
+
+/// Rays with what they carry, in chunks; all of one depth.
+#[derive(Debug, Default)]
+struct Lanes {
+    rays: Vec<Rays>,
+    paths: Vec<Paths>,
+    len: usize,
+}
+
+impl Lanes {
+    #[inline(always)]
+    fn push(&mut self, ray: Ray, beta: Rgb, pdf: f32, slot: u32) {
+        let (chunk, lane) = (self.len / LANES, self.len % LANES);
+        if chunk == self.rays.len() {
+            self.rays.push(Rays::default());
+            self.paths.push(Paths::EMPTY);
+        }
+        self.rays[chunk].set(lane, ray.o, ray.d, 0.0, ray.tmax);
+        let path = &mut self.paths[chunk];
+        (path.beta[0][lane], path.beta[1][lane], path.beta[2][lane]) = (beta.x, beta.y, beta.z);
+        path.pdf[lane] = pdf;
+        path.slot[lane] = slot;
+        self.len += 1;
+    }
+
+    #[inline(always)]
+    fn beta(&self, chunk: usize, lane: usize) -> Rgb {
+        let b = &self.paths[chunk].beta;
+        Rgb::new(b[0][lane], b[1][lane], b[2][lane])
+    }
+
+    /// The chunks in use, each with the mask of its lanes in use.
+    fn chunks(&self) -> impl Iterator<Item = (usize, Mask)> + use<> {
+        let len = self.len;
+        (0..len.div_ceil(LANES)).map(move |c| {
+            let used = (len - c * LANES).min(LANES);
+            (c, (u32::from(Mask::MAX) >> (LANES - used)) as Mask)
+        })
+    }
+}
+
+/// One sample of one pixel.
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    key: Key,
+    pixel: u32,
+    radiance: Rgb,
+}
+
+/// The wave's sink: the next rays, the shadow rays and the samples' radiance.
+#[derive(Debug, Default)]
+struct Pushed {
+    next: Lanes,
+    shadows: Lanes,
+    slots: Vec<Slot>,
+}
+
+/// The sink as one path sees it.
+struct PathSink<'a> {
+    pushed: &'a mut Pushed,
+    slot: u32,
+}
+
+impl Sink for PathSink<'_> {
+    #[inline(always)]
+    fn emit(&mut self, radiance: Rgb) {
+        self.pushed.slots[self.slot as usize].radiance += radiance;
+    }
+
+    #[inline(always)]
+    fn connect(&mut self, shadow: Ray, radiance: Rgb) {
+        self.pushed.shadows.push(shadow, radiance, 0.0, self.slot);
+    }
+
+    #[inline(always)]
+    fn extend(&mut self, o: Vec3, d: Vec3, beta: Rgb, pdf: f32) {
+        self.pushed.next.push(Ray { o, d, tmax: f32::INFINITY }, beta, pdf, self.slot);
+    }
+}
+
+/// The lanes of a wave by what they met: misses, then one group a BSDF.
+#[derive(Debug, Default)]
+struct Groups {
+    of: [Vec<u32>; 1 + Bsdf::NAMES.len()],
+}
+
+/// Buffers of one thread, kept from wave to wave.
+#[derive(Debug, Default)]
+pub struct Wave {
+    current: Lanes,
+    hits: Vec<Hits>,
+    groups: Groups,
+    pushed: Pushed,
+    /// What was counted since [`Wave::take_stats`].
+    stats: RenderStats,
+}
+
+/// What one wave is made of.
+pub struct Job<'a, I> {
+    /// The picture.
+    pub cx: &'a Context<'a>,
+    /// The mathematics.
+    pub integrator: &'a I,
+    /// Who intersects.
+    pub accel: &'a dyn Intersector,
+    /// The tile's column and row.
+    pub tile: [u32; 2],
+    /// The block of samples.
+    pub samples: Range<u32>,
+    /// True when first hits go to the film's layers.
+    pub layers: bool,
+}
+
+impl Wave {
+    /// What was counted since the last call.
+    pub fn take_stats(&mut self) -> RenderStats {
+        std::mem::take(&mut self.stats)
+    }
+
+    /// Traces the wave of `job` and adds its samples to `tile`.
+    #[inline(always)]
+    pub fn run<I: Integrator>(&mut self, job: &Job<'_, I>, tile: &mut Tile) {
+        let mut clock = Instant::now();
+        self.start(job);
+        let mut depth = 0;
+        self.stats.rest_seconds += lap(&mut clock);
+        while self.current.len > 0 {
+            self.extend(job.accel, depth);
+            self.stats.intersect_seconds += lap(&mut clock);
+            self.group(job.cx);
+            self.shade(job, depth, tile);
+            self.stats.shade_seconds += lap(&mut clock);
+            self.connect(job.accel);
+            self.stats.intersect_seconds += lap(&mut clock);
+            std::mem::swap(&mut self.current, &mut self.pushed.next);
+            self.pushed.next.len = 0;
+            depth += 1;
+        }
+        self.finish(tile);
+        self.stats.rest_seconds += lap(&mut clock);
+    }
+
+    /// Camera rays: all samples of a pixel side by side, so that a packet is as coherent as can be.
+    #[inline(always)]
+    fn start<I: Integrator>(&mut self, job: &Job<'_, I>) {
+        let cx = job.cx;
+        self.current.len = 0;
+        self.pushed.slots.clear();
+        for pixel in 0..Film::TILE * Film::TILE {
+            let x = job.tile[0] * Film::TILE + pixel % Film::TILE;
+            let y = job.tile[1] * Film::TILE + pixel / Film::TILE;
+            if x >= cx.size[0] || y >= cx.size[1] {
+                continue;
+            }
+            for index in job.samples.clone() {
+                let key = cx.sampler.key(y * cx.size[0] + x, index);
+                let ray = camera_ray(cx, x, y, key);
+                let slot = self.pushed.slots.len() as u32;
+                self.pushed.slots.push(Slot { key, pixel, radiance: Rgb::ZERO });
+                self.current.push(ray, Rgb::ONE, f32::INFINITY, slot);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn extend(&mut self, accel: &dyn Intersector, depth: u32) {
+        let coherence = if depth == 0 { Coherence::Coherent } else { Coherence::Incoherent };
+        let counter = if depth == 0 { &mut self.stats.camera_rays } else { &mut self.stats.bounce_rays };
+        *counter += self.current.len as u64;
+        self.hits.resize(self.current.rays.len().max(self.hits.len()), Hits::default());
+        for (chunk, mask) in self.current.chunks() {
+            let rays: Checked<'_> = self.current.rays[chunk].check(mask);
+            if rays.rejected() > 0 {
+                self.stats.rejected_rays += u64::from(rays.rejected());
+                self.hits[chunk].mesh = [MISS; LANES];
+            }
+            accel.closest(rays, coherence, &mut self.hits[chunk]);
+        }
+    }
+
+    /// Sorts lanes by what they met, keeping their order within a group.
+    #[inline(always)]
+    fn group(&mut self, cx: &Context<'_>) {
+        for group in &mut self.groups.of {
+            group.clear();
+        }
+        for i in 0..self.current.len {
+            let hits = &self.hits[i / LANES];
+            let (mesh, triangle) = (hits.mesh[i % LANES], hits.triangle[i % LANES]);
+            let group = if mesh == MISS {
+                0
+            } else {
+                let material = cx.meshes[mesh as usize].materials.get(triangle as usize);
+                1 + cx.materials[material as usize].bsdf.kind()
+            };
+            self.groups.of[group].push(i as u32);
+        }
+    }
+
+    #[inline(always)]
+    fn shade<I: Integrator>(&mut self, job: &Job<'_, I>, depth: u32, tile: &mut Tile) {
+        let groups = std::mem::take(&mut self.groups);
+        for &i in &groups.of[0] {
+            let (chunk, lane) = (i as usize / LANES, i as usize % LANES);
+            let (arrival, slot) = self.arrival(chunk, lane, depth);
+            let d = self.current.rays[chunk].d(lane);
+            job.integrator.miss(job.cx, d, &arrival, &mut PathSink { pushed: &mut self.pushed, slot });
+        }
+        let materials = job.cx.materials;
+        macro_rules! shade_kind {
+            ($group:expr, $kind:path) => {
+                self.shade_group(job, depth, tile, &groups.of[$group], |material| {
+                    match &materials[material as usize].bsdf {
+                        $kind(bsdf) => Some(bsdf),
+                        _ => None,
+                    }
+                })
+            };
+        }
+        shade_kind!(1, Bsdf::Diffuse);
+        shade_kind!(2, Bsdf::Mirror);
+        shade_kind!(3, Bsdf::Conductor);
+        self.groups = groups;
+    }
+
+    /// Shades one group with code compiled for its BSDF.
+    #[inline(always)]
+    fn shade_group<'a, I: Integrator, B: Scatter + 'a>(
+        &mut self,
+        job: &Job<'_, I>,
+        depth: u32,
+        tile: &mut Tile,
+        group: &[u32],
+        bsdf: impl Fn(u32) -> Option<&'a B>,
+    ) {
+        for &i in group {
+            let (chunk, lane) = (i as usize / LANES, i as usize % LANES);
+            let (arrival, slot) = self.arrival(chunk, lane, depth);
+            let (v, ids) = self.vertex(job.cx, chunk, lane, arrival);
+            if depth == 0 && job.layers {
+                let pixel = self.pushed.slots[slot as usize].pixel as usize;
+                tile.add_first_hit(pixel, arrival.key.index, &first_hit(job.cx, &v, ids));
+            }
+            if let Some(bsdf) = bsdf(v.material) {
+                job.integrator.vertex(job.cx, &v, bsdf, &mut PathSink { pushed: &mut self.pushed, slot });
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn arrival(&self, chunk: usize, lane: usize, depth: u32) -> (Arrival, u32) {
+        let path = &self.current.paths[chunk];
+        let slot = path.slot[lane];
+        let key = self.pushed.slots[slot as usize].key;
+        (Arrival { beta: self.current.beta(chunk, lane), pdf: path.pdf[lane], depth, key }, slot)
+    }
+
+    /// The vertex at a lane's hit, with the ids of mesh, triangle and material.
+    #[inline(always)]
+    fn vertex(&self, cx: &Context<'_>, chunk: usize, lane: usize, arrival: Arrival) -> (Vertex, [u32; 3]) {
+        let hits = &self.hits[chunk];
+        let (id, triangle) = (hits.mesh[lane], hits.triangle[lane]);
+        let mesh = &cx.meshes[id as usize];
+        let surface = Surface::new(mesh, triangle, hits.u[lane], hits.v[lane]);
+        let wo = -self.current.rays[chunk].d(lane);
+        let frame = surface.frame_towards(wo);
+        let material = mesh.materials.get(triangle as usize);
+        let wo_local = frame.to_local(wo);
+        (Vertex { surface, frame, wo, wo_local, t: hits.t[lane], material, arrival }, [id, triangle, material])
+    }
+
+    /// Traces the shadow rays; what is free reaches its sample.
+    #[inline(always)]
+    fn connect(&mut self, accel: &dyn Intersector) {
+        let Pushed { shadows, slots, .. } = &mut self.pushed;
+        self.stats.shadow_rays += shadows.len as u64;
+        for (chunk, mask) in shadows.chunks() {
+            let rays = shadows.rays[chunk].check(mask);
+            self.stats.rejected_rays += u64::from(rays.rejected());
+            let mut free = rays.active() & !accel.occluded(rays, Coherence::Incoherent);
+            while free != 0 {
+                let lane = free.trailing_zeros() as usize;
+                free &= free - 1;
+                slots[shadows.paths[chunk].slot[lane] as usize].radiance += shadows.beta(chunk, lane);
+            }
+        }
+        shadows.len = 0;
+    }
+
+    /// Adds the samples to the film; one that is not a colour is dropped and counted (it adds black).
+    #[inline(always)]
+    fn finish(&mut self, tile: &mut Tile) {
+        for slot in &self.pushed.slots {
+            let c = slot.radiance;
+            let sound = c.is_finite() && c.min_element() >= 0.0;
+            self.stats.invalid_samples += u64::from(!sound);
+            tile.add(slot.pixel as usize, if sound { c } else { Rgb::ZERO });
+        }
+    }
+}
+
+/// The ray through a point of pixel (`x`, `y`) that the filter chose.
+#[inline(always)]
+fn camera_ray(cx: &Context<'_>, x: u32, y: u32, key: Key) -> Ray {
+    let [u, v] = cx.sampler.d2(key, super::Dimensions::PIXEL);
+    let (u, v) = (cx.filter.offset(u), cx.filter.offset(v));
+    let lens = if cx.camera.has_lens() { cx.sampler.d2(key, super::Dimensions::LENS) } else { [0.5; 2] };
+    // In f64: at 100,000 pixels a side f32 leaves 1/128 of a pixel.
+    let place = |i: u32, offset: f32, n: u32| ((f64::from(i) + 0.5 + f64::from(offset)) / f64::from(n)) as f32;
+    let ray = cx.camera.ray(place(x, u, cx.size[0]), place(y, v, cx.size[1]), lens);
+    Ray { o: ray.o, d: ray.d, tmax: f32::INFINITY }
+}
+
+fn first_hit(cx: &Context<'_>, v: &Vertex, ids: [u32; 3]) -> FirstHit {
+    FirstHit {
+        depth: v.t,
+        normal: v.frame.n,
+        albedo: cx.materials[v.material as usize].bsdf.albedo(),
+        position: v.surface.p,
+        uv: v.surface.uv,
+        ids,
+    }
+}
+
+/// Seconds since `clock`, which is set to now.
+#[inline]
+fn lap(clock: &mut Instant) -> f64 {
+    let now = Instant::now();
+    let seconds = now.duration_since(*clock).as_secs_f64();
+    *clock = now;
+    seconds
+}

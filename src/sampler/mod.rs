@@ -1,0 +1,108 @@
+//! Where random-looking numbers come from: one file a kind.
+//!
+//! A number is a function of (seed, pixel, sample index, dimension) and nothing else, so the picture never
+//! depends on threads, tiles or order. Integrators give each decision dimensions of its own and keep to
+//! them whether or not an earlier one was used: skipping would correlate decisions silently.
+
+mod random;
+mod sobol;
+mod sobol_table;
+mod stratified;
+
+use crate::scene::SamplerKind;
+
+/// A sample of a pixel: what a path carries to draw its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Key {
+    /// The pixel's number, scrambled with the seed.
+    pub pixel: u32,
+    /// The sample's index in the pixel, from 0.
+    pub index: u32,
+}
+
+/// Draws numbers.
+#[derive(Clone, Debug)]
+pub struct Sampler {
+    seed: u64,
+    kind: Kind,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    Sobol(&'static sobol::Sobol),
+    Stratified(stratified::Stratified),
+    Random(random::Random),
+}
+
+impl Sampler {
+    /// A sampler for pictures with `spp` samples a pixel.
+    pub fn new(kind: SamplerKind, seed: u64, spp: u32) -> Sampler {
+        let kind = match kind {
+            SamplerKind::Sobol => Kind::Sobol(sobol::Sobol::get()),
+            SamplerKind::Stratified => Kind::Stratified(stratified::Stratified::new(spp)),
+            SamplerKind::Random => Kind::Random(random::Random::new(seed)),
+        };
+        Sampler { seed, kind }
+    }
+
+    /// The key of sample `index` in the pixel numbered `pixel` (row by row in the full picture). Pixels of
+    /// one picture never share a key: the scrambling is a bijection.
+    #[inline(always)]
+    pub fn key(&self, pixel: u32, index: u32) -> Key {
+        let seed = hash(self.seed as u32) ^ hash((self.seed >> 32) as u32 ^ 0x5bd1_e995);
+        Key { pixel: hash(pixel ^ seed), index }
+    }
+
+    /// 32 uniform bits.
+    #[inline(always)]
+    pub fn bits(&self, key: Key, dimension: u32) -> u32 {
+        match &self.kind {
+            Kind::Sobol(s) => s.bits(key, dimension),
+            Kind::Stratified(s) => s.bits(key, dimension),
+            Kind::Random(r) => r.bits(key, dimension),
+        }
+    }
+
+    /// A number in [0, 1).
+    #[inline(always)]
+    pub fn d1(&self, key: Key, dimension: u32) -> f32 {
+        unit(self.bits(key, dimension))
+    }
+
+    /// A point in [0, 1)²; takes `dimension` and the one after.
+    #[inline(always)]
+    pub fn d2(&self, key: Key, dimension: u32) -> [f32; 2] {
+        let [a, b] = match &self.kind {
+            Kind::Sobol(s) => s.bits2(key, dimension),
+            Kind::Stratified(s) => s.bits2(key, dimension),
+            Kind::Random(r) => [r.bits(key, dimension), r.bits(key, dimension + 1)],
+        };
+        [unit(a), unit(b)]
+    }
+}
+
+/// The upper 24 bits as a number in [0, 1).
+#[inline(always)]
+fn unit(bits: u32) -> f32 {
+    (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+}
+
+/// A bijective hash of 32 bits: two rounds of multiply and xor-shift with low bias (constants as found by
+/// Wellons' search, 2018).
+#[inline(always)]
+fn hash(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7feb_352d);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+/// The seed of one dimension of one pixel.
+#[inline(always)]
+fn dimension_seed(pixel: u32, dimension: u32) -> u32 {
+    hash(pixel ^ dimension.wrapping_mul(0x9e37_79b9))
+}
+
+#[cfg(test)]
+mod tests;
