@@ -55,9 +55,8 @@ impl Embree {
             for prefix in &prefixes {
                 let include = prefix.join("include");
                 if include.join(name).join("rtcore.h").is_file() {
-                    let library = (prefix != Path::new("/usr"))
-                        .then(|| ["lib64", "lib"].map(|lib| prefix.join(lib)))
-                        .and_then(|libs| libs.into_iter().find(|lib| lib.is_dir()));
+                    let library =
+                        (prefix != Path::new("/usr")).then(|| library_directory(prefix, name)).flatten();
                     return Some(Embree { name, major, include, library });
                 }
             }
@@ -96,6 +95,7 @@ impl Embree {
                 .prepend_enum_name(false)
                 .rust_edition(bindgen::RustEdition::Edition2024)
                 .rust_target(bindgen::RustTarget::stable(85, 0).unwrap_or_default())
+                .derive_default(true)
                 .use_core()
                 .layout_tests(false)
                 .generate_comments(false)
@@ -122,7 +122,8 @@ impl Embree {
             .try_compile("drt_embree_shim");
         if let Err(e) = compiled {
             let compiler = Command::new("cc").arg("--version").output().is_ok();
-            let why = if compiler { one_line(&e.to_string()) } else { "no C compiler (build-essential)".into() };
+            let why =
+                if compiler { one_line(&e.to_string()) } else { "no C compiler (build-essential)".into() };
             fail(&format!("the shim over Embree's headers could not be compiled: {why}"));
         }
     }
@@ -134,6 +135,13 @@ impl Embree {
         println!("cargo::rustc-link-lib=dylib={}", self.name);
         println!("cargo::metadata=version={}", self.version());
     }
+}
+
+/// Where `libNAME.so` is under `prefix`.
+fn library_directory(prefix: &Path, name: &str) -> Option<PathBuf> {
+    let arch = std::env::var("CARGO_CFG_TARGET_ARCH").unwrap_or_default();
+    let places = [format!("lib/{arch}-linux-gnu"), "lib64".into(), "lib".into()];
+    places.iter().map(|p| prefix.join(p)).find(|d| d.join(format!("lib{name}.so")).exists())
 }
 
 fn one_line(text: &str) -> String {
