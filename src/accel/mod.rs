@@ -44,7 +44,7 @@ pub struct Rays {
     pub oy: [f32; LANES],
     /// Origins, z.
     pub oz: [f32; LANES],
-    /// Start of the interval, in multiples of the direction's length.
+    /// Start of the interval, in multiples of the direction's length; not negative.
     pub tmin: [f32; LANES],
     /// Directions, x; need not be unit.
     pub dx: [f32; LANES],
@@ -87,7 +87,7 @@ impl Rays {
 
     /// The gate: keeps those lanes of `active` whose numbers a backend may see. A lane is refused when a
     /// component of origin or direction or an end of the interval is NaN or beyond [`LARGEST`] in
-    /// magnitude (`tmax = +∞` passes).
+    /// magnitude (`tmax = +∞` passes), or when `tmin` is negative (Embree asserts that it is not).
     #[inline]
     pub fn check(&self, active: Mask) -> Checked<'_> {
         let mut sound = 0;
@@ -99,7 +99,7 @@ impl Rays {
                 & (self.dx[lane].abs() <= LARGEST)
                 & (self.dy[lane].abs() <= LARGEST)
                 & (self.dz[lane].abs() <= LARGEST)
-                & (self.tmin[lane].abs() <= LARGEST)
+                & ((self.tmin[lane] >= 0.0) & (self.tmin[lane] <= LARGEST))
                 & ((self.tmax[lane].abs() <= LARGEST) | (self.tmax[lane] == f32::INFINITY));
             sound |= (ok as Mask) << lane;
         }
@@ -219,6 +219,8 @@ pub struct BuildOptions<'a> {
     pub compact: bool,
     /// Pins the instruction set; `None`: the best this machine has.
     pub isa: Option<Isa>,
+    /// At most this many threads build; 0: as many as the machine runs. Never changes the structure.
+    pub threads: usize,
     /// Called now and then, possibly from several threads, with the share done (0 to 1); `false` cancels
     /// the build, which then fails with [`cancelled`].
     pub progress: &'a (dyn Fn(f64) -> bool + Sync),
@@ -226,7 +228,7 @@ pub struct BuildOptions<'a> {
 
 impl Default for BuildOptions<'_> {
     fn default() -> Self {
-        BuildOptions { quality: Quality::Medium, compact: false, isa: None, progress: &|_| true }
+        BuildOptions { quality: Quality::Medium, compact: false, isa: None, threads: 0, progress: &|_| true }
     }
 }
 

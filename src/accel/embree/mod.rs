@@ -1,0 +1,143 @@
+//! Embree as a backend: the only user of its C interface.
+//!
+//! [`Embree::build`] makes a device, one scene and one geometry a mesh, commits, and only then returns: an
+//! uncommitted scene cannot be expressed, and a committed one is never changed again. Errors of the library
+//! become a [`Result`](crate::error::Result) after device, geometry and commit, never per ray.
+//!
+//! The scene is always *robust* (watertight); the default flags lose rays at shared edges.
+//!
+//! # The same tree everywhere
+//! A picture must not depend on threads or on the processor's model, so the following is pinned:
+//! - The instruction set is always named (`isa=`), also where the best one is wanted, and so is
+//!   `frequency_level`: Embree chooses between 4- and 8-wide trees by it, from a table of processor models.
+//! - Quality *medium* gives one tree over all triangles, whatever the threads: partitions differ in order
+//!   only, and leaves are sorted. *High* is the same as *medium* in a robust scene; it is mapped to it.
+//! - Quality *low* is a Morton tree a geometry under a top level whose order is a race between threads,
+//!   and rays take 2–5 times as long through many of them. So all meshes go into one geometry there
+//!   ([`merged`]), which is as deterministic as *medium*.
+
+mod device;
+mod merged;
+mod scene;
+mod trace;
+
+#[cfg(test)]
+mod tests;
+
+use super::{BuildOptions, Checked, Coherence, Hits, Intersector, Mask, Quality, cancelled};
+use crate::error::{Error, Result};
+use crate::math::isa::Isa;
+use crate::shape::Mesh;
+use device::Device;
+use merged::Merged;
+use scene::{Buffers, Scene};
+use std::sync::Arc;
+use trace::Width;
+
+/// Meshes in a committed Embree scene.
+pub struct Embree {
+    // Dropped in this order: the scene reads the buffers and reports its memory to the device's counter.
+    scene: Scene,
+    device: Device,
+    geometry: Geometry,
+    width: Width,
+    isa: Isa,
+}
+
+/// The buffers that the scene reads for as long as it lives.
+enum Geometry {
+    /// A geometry a mesh; its id is the mesh's index.
+    Shared(#[allow(dead_code)] Vec<Arc<Mesh>>),
+    /// One geometry for all meshes.
+    Merged(Merged),
+}
+
+impl Embree {
+    /// Builds over `meshes`; a hit names a mesh by its index there.
+    ///
+    /// # Errors
+    /// An instruction set that this machine lacks, buffers beyond Embree's limits, too little memory, or a
+    /// build that the progress callback cancelled.
+    pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Self> {
+        if !(options.progress)(0.0) {
+            return Err(cancelled());
+        }
+        let isa = options.isa.unwrap_or_else(Isa::best);
+        if isa > Isa::best() {
+            return Err(Error::usage(format!("this machine has no {}", isa.name()))
+                .advise(format!("its best is \"{}\"", Isa::best().name())));
+        }
+        for (index, mesh) in meshes.iter().enumerate() {
+            check_limits(index, mesh.positions.len() as u64, mesh.indices.len() as u64)?;
+        }
+        let geometry = match options.quality {
+            Quality::Low if Merged::pays(meshes) => Geometry::Merged(Merged::new(meshes)?),
+            _ => Geometry::Shared(meshes.to_vec()),
+        };
+        let device = Device::new(isa, options.threads)?;
+        let mut uncommitted = scene::Uncommitted::new(&device, options.quality, options.compact)?;
+        match &geometry {
+            Geometry::Shared(meshes) => {
+                for (id, mesh) in meshes.iter().enumerate() {
+                    uncommitted.attach(id as u32, Buffers::of(mesh))?;
+                }
+            }
+            Geometry::Merged(merged) => uncommitted.attach(0, merged.buffers())?,
+        }
+        let scene = uncommitted.commit(options.progress)?;
+        let width = Width::native(&device);
+        Ok(Embree { scene, device, geometry, width, isa })
+    }
+
+    /// Names mesh and triangle of the lanes in `hit`, where all meshes share one geometry.
+    #[inline]
+    fn name_hits(&self, active: Mask, hits: &mut Hits) {
+        if let Geometry::Merged(merged) = &self.geometry {
+            merged.name_hits(active, hits);
+        }
+    }
+}
+
+impl Intersector for Embree {
+    fn closest(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
+        trace::closest(&self.scene, self.width, rays, coherence, hits);
+        self.name_hits(rays.active(), hits);
+    }
+
+    fn occluded(&self, rays: Checked<'_>, coherence: Coherence) -> Mask {
+        trace::occluded(&self.scene, self.width, rays, coherence)
+    }
+
+    fn bytes(&self) -> usize {
+        let merged = match &self.geometry {
+            Geometry::Shared(_) => 0,
+            Geometry::Merged(merged) => merged.bytes(),
+        };
+        self.device.bytes() + merged
+    }
+
+    fn isa(&self) -> &str {
+        self.isa.name()
+    }
+}
+
+/// Embree addresses vertices by 32-bit numbers of 4-byte words, so a buffer ends at 16 GiB; ids have 32
+/// bits and all ones mean "none".
+fn check_limits(mesh: usize, vertices: u64, triangles: u64) -> Result<()> {
+    const LARGEST_BUFFER: u64 = 16 << 30;
+    let bytes = (vertices + crate::shape::Positions::PADDING as u64).saturating_mul(12);
+    if bytes > LARGEST_BUFFER {
+        return Err(Error::new(format!(
+            "mesh {mesh} has {vertices} vertices, {bytes} bytes; Embree's limit is {LARGEST_BUFFER} bytes"
+        ))
+        .advise("split the mesh, or use the backend \"bvh\""));
+    }
+    if triangles >= u64::from(u32::MAX) || mesh >= u32::MAX as usize {
+        return Err(Error::new(format!(
+            "mesh {mesh} has {triangles} triangles; Embree's limit is {} meshes and triangles a mesh",
+            u32::MAX - 1
+        ))
+        .advise("split the mesh"));
+    }
+    Ok(())
+}

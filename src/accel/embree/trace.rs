@@ -1,0 +1,192 @@
+//! Chunks of rays through Embree: packets of the device's native width, or single rays.
+#![allow(unsafe_code)]
+
+use super::device::Device;
+use super::scene::Scene;
+use crate::accel::{Checked, Coherence, Hits, LANES, MISS, Mask, Rays};
+use embree_sys as sys;
+
+/// How many rays Embree traces at once on this device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Width {
+    Four,
+    Eight,
+    Sixteen,
+}
+
+/// Up to this many active lanes go one by one.
+const FEW: u32 = 1;
+
+impl Width {
+    /// The widest packet that the device has kernels for. A wider one is not only slower: Debian's build
+    /// aborts in an assertion.
+    pub(super) fn native(device: &Device) -> Width {
+        if device.has(sys::RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) {
+            Width::Sixteen
+        } else if device.has(sys::RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) {
+            Width::Eight
+        } else {
+            Width::Four
+        }
+    }
+}
+
+/// Closest hits of the active lanes.
+#[inline]
+pub(super) fn closest(scene: &Scene, width: Width, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
+    let (active, coherent) = (rays.active(), coherence == Coherence::Coherent);
+    if active.count_ones() <= FEW {
+        for_lanes(active, |lane| closest_one(scene, rays.rays(), lane, hits));
+        return;
+    }
+    match width {
+        Width::Sixteen => closest16(scene, rays.rays(), active, 0, coherent, hits),
+        Width::Eight => for_parts::<8>(active, |at| closest8(scene, rays.rays(), active, at, coherent, hits)),
+        Width::Four => for_parts::<4>(active, |at| closest4(scene, rays.rays(), active, at, coherent, hits)),
+    }
+}
+
+/// The active lanes that hit anything.
+#[inline]
+pub(super) fn occluded(scene: &Scene, width: Width, rays: Checked<'_>, coherence: Coherence) -> Mask {
+    let (active, coherent) = (rays.active(), coherence == Coherence::Coherent);
+    let mut hit = 0;
+    if active.count_ones() <= FEW {
+        for_lanes(active, |lane| hit |= occluded_one(scene, rays.rays(), lane));
+        return hit;
+    }
+    match width {
+        Width::Sixteen => hit = occluded16(scene, rays.rays(), active, 0, coherent),
+        Width::Eight => {
+            for_parts::<8>(active, |at| hit |= occluded8(scene, rays.rays(), active, at, coherent))
+        }
+        Width::Four => {
+            for_parts::<4>(active, |at| hit |= occluded4(scene, rays.rays(), active, at, coherent))
+        }
+    }
+    hit
+}
+
+#[inline]
+fn for_lanes(mut active: Mask, mut one: impl FnMut(usize)) {
+    while active != 0 {
+        one(active.trailing_zeros() as usize);
+        active &= active - 1;
+    }
+}
+
+/// Calls `part` with the first lane of each group of `N` that has an active one.
+#[inline]
+fn for_parts<const N: usize>(active: Mask, mut part: impl FnMut(usize)) {
+    for at in (0..LANES).step_by(N) {
+        if active >> at & (((1u32 << N) - 1) as Mask) != 0 {
+            part(at);
+        }
+    }
+}
+
+fn ray(rays: &Rays, lane: usize) -> sys::RTCRay {
+    sys::RTCRay {
+        org_x: rays.ox[lane],
+        org_y: rays.oy[lane],
+        org_z: rays.oz[lane],
+        tnear: rays.tmin[lane],
+        dir_x: rays.dx[lane],
+        dir_y: rays.dy[lane],
+        dir_z: rays.dz[lane],
+        time: 0.0,
+        tfar: rays.tmax[lane],
+        mask: u32::MAX,
+        id: 0,
+        flags: 0,
+    }
+}
+
+fn closest_one(scene: &Scene, rays: &Rays, lane: usize, hits: &mut Hits) {
+    let mut query = sys::RTCRayHit { ray: ray(rays, lane), hit: sys::RTCHit::default() };
+    query.hit.geomID = sys::INVALID_ID;
+    query.hit.instID = [sys::INVALID_ID];
+    // SAFETY: the scene is committed, the structure is Embree's own type, the ray passed the gate.
+    unsafe { sys::drt_rtc_intersect1(scene.handle(), false, &mut query) }
+    let hit = query.hit.geomID != MISS;
+    hits.t[lane] = if hit { query.ray.tfar } else { f32::INFINITY };
+    hits.u[lane] = query.hit.u;
+    hits.v[lane] = query.hit.v;
+    hits.mesh[lane] = query.hit.geomID;
+    hits.triangle[lane] = if hit { query.hit.primID } else { MISS };
+}
+
+fn occluded_one(scene: &Scene, rays: &Rays, lane: usize) -> Mask {
+    let mut query = ray(rays, lane);
+    // SAFETY: as in `closest_one`.
+    unsafe { sys::drt_rtc_occluded1(scene.handle(), false, &mut query) }
+    Mask::from(query.tfar == f32::NEG_INFINITY) << lane
+}
+
+/// Writes the functions for packets of `$n`: Embree has a type and a function a width.
+macro_rules! packets {
+    ($n:literal, $RayN:ident, $RayHitN:ident, $intersect:ident, $occluded:ident,
+     $rays:ident, $closest:ident, $any:ident) => {
+        /// Lanes `at ..` as a packet with its validity words. Lanes that are not active may hold NaN and
+        /// get a harmless ray instead, since some of Embree's assertions look at all lanes.
+        #[inline(always)]
+        fn $rays(rays: &Rays, active: Mask, at: usize, packet: &mut sys::$RayN) -> [i32; $n] {
+            let mut valid = [0; $n];
+            for i in 0..$n {
+                let lane = at + i;
+                let on = active >> lane & 1 == 1;
+                valid[i] = -(on as i32);
+                packet.org_x[i] = if on { rays.ox[lane] } else { 0.0 };
+                packet.org_y[i] = if on { rays.oy[lane] } else { 0.0 };
+                packet.org_z[i] = if on { rays.oz[lane] } else { 0.0 };
+                packet.tnear[i] = if on { rays.tmin[lane] } else { 0.0 };
+                packet.dir_x[i] = if on { rays.dx[lane] } else { 1.0 };
+                packet.dir_y[i] = if on { rays.dy[lane] } else { 1.0 };
+                packet.dir_z[i] = if on { rays.dz[lane] } else { 1.0 };
+                packet.tfar[i] = if on { rays.tmax[lane] } else { 0.0 };
+                packet.mask[i] = u32::MAX;
+            }
+            valid
+        }
+
+        fn $closest(scene: &Scene, rays: &Rays, active: Mask, at: usize, coherent: bool, hits: &mut Hits) {
+            let mut packet = sys::$RayHitN::default();
+            let valid = Valid($rays(rays, active, at, &mut packet.ray));
+            packet.hit.geomID = [sys::INVALID_ID; $n];
+            packet.hit.instID = [[sys::INVALID_ID; $n]];
+            // SAFETY: the scene is committed; types and alignment are Embree's own; active rays passed the
+            // gate, the others were replaced.
+            unsafe { sys::$intersect(scene.handle(), coherent, valid.0.as_ptr(), &mut packet) }
+            for i in 0..$n {
+                let (lane, on, hit) = (at + i, valid.0[i] != 0, packet.hit.geomID[i] != MISS);
+                let t = if hit { packet.ray.tfar[i] } else { f32::INFINITY };
+                let triangle = if hit { packet.hit.primID[i] } else { MISS };
+                hits.t[lane] = if on { t } else { hits.t[lane] };
+                hits.u[lane] = if on { packet.hit.u[i] } else { hits.u[lane] };
+                hits.v[lane] = if on { packet.hit.v[i] } else { hits.v[lane] };
+                hits.mesh[lane] = if on { packet.hit.geomID[i] } else { hits.mesh[lane] };
+                hits.triangle[lane] = if on { triangle } else { hits.triangle[lane] };
+            }
+        }
+
+        fn $any(scene: &Scene, rays: &Rays, active: Mask, at: usize, coherent: bool) -> Mask {
+            let mut packet = sys::$RayN::default();
+            let valid = Valid($rays(rays, active, at, &mut packet));
+            // SAFETY: as in the closest-hit function.
+            unsafe { sys::$occluded(scene.handle(), coherent, valid.0.as_ptr(), &mut packet) }
+            let mut hit = 0;
+            for i in 0..$n {
+                hit |= Mask::from(valid.0[i] != 0 && packet.tfar[i] == f32::NEG_INFINITY) << (at + i);
+            }
+            hit
+        }
+    };
+}
+
+/// Validity words with the alignment that the manual asks for.
+#[repr(C, align(64))]
+struct Valid<const N: usize>([i32; N]);
+
+packets!(4, RTCRay4, RTCRayHit4, drt_rtc_intersect4, drt_rtc_occluded4, rays4, closest4, occluded4);
+packets!(8, RTCRay8, RTCRayHit8, drt_rtc_intersect8, drt_rtc_occluded8, rays8, closest8, occluded8);
+packets!(16, RTCRay16, RTCRayHit16, drt_rtc_intersect16, drt_rtc_occluded16, rays16, closest16, occluded16);
