@@ -1,17 +1,124 @@
-//! Our own bounding volume hierarchy.
-use super::{BuildOptions, Checked, Coherence, Hits, Intersector, Mask};
+//! Our own bounding volume hierarchy: eight children a node, watertight triangles, the same bits everywhere.
+//!
+//! The parts are apart so that each can be replaced by another form: [`build`] (with [`split`], [`bounds`]) makes
+//! the tree, [`node`] and [`triangle`] are the two kernels over eight and four lanes, written so that the
+//! compiler vectorises them, [`ray`] prepares a ray for both, and [`traverse`] walks.
+//!
+//! A hit is a function of the ray and of one triangle alone; boxes only leave triangles out that cannot be
+//! hit (proofs in [`node`] and [`triangle`]), and ties go to the lowest id. So the answer does not depend on the tree,
+//! the build's quality, the threads, the instruction set or the rays traced together: it is bit for bit that of
+//! testing every triangle, and the tests hold it to that.
+
+mod bounds;
+mod build;
+mod node;
+mod ray;
+mod split;
+mod traverse;
+mod triangle;
+
+use super::{BuildOptions, Checked, Coherence, Hits, Intersector, LANES, MISS, Mask};
 use crate::error::Result;
+use crate::math::isa::{self, Isa, Kernel};
 use crate::shape::Mesh;
+use ray::Ray;
 use std::sync::Arc;
-/// Placeholder until the branch lands.
-pub struct Bvh;
-impl Bvh {
-    /// Builds.
-    pub fn build(_: &[Arc<Mesh>], _: &BuildOptions<'_>) -> Result<Self> { Ok(Bvh) }
+use traverse::{Stack, Tree};
+
+/// A built hierarchy. It keeps its own copy of the triangles and none of the meshes.
+pub struct Bvh {
+    tree: build::Built,
+    isa: Isa,
 }
+
+impl Bvh {
+    /// Builds the hierarchy. Triangles of zero area are left out. Fails when memory runs out, when there are
+    /// more than 2²⁸ triangles, or when the progress callback cancels.
+    pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Self> {
+        Ok(Bvh { tree: build::build(meshes, options)?, isa: options.isa.unwrap_or_else(Isa::best) })
+    }
+
+    fn tree(&self) -> Option<Tree<'_>> {
+        let (nodes, blocks) = (&self.tree.nodes[..], &self.tree.blocks[..]);
+        (!nodes.is_empty()).then_some(Tree { nodes, blocks })
+    }
+}
+
 impl Intersector for Bvh {
-    fn closest(&self, _: Checked<'_>, _: Coherence, _: &mut Hits) {}
-    fn occluded(&self, _: Checked<'_>, _: Coherence) -> Mask { 0 }
-    fn bytes(&self) -> usize { 0 }
-    fn isa(&self) -> &str { "generic" }
+    fn closest(&self, rays: Checked<'_>, _: Coherence, hits: &mut Hits) {
+        isa::run(self.isa, Closest { tree: self.tree(), rays, hits });
+    }
+
+    fn occluded(&self, rays: Checked<'_>, _: Coherence) -> Mask {
+        self.tree().map_or(0, |tree| isa::run(self.isa, Occluded { tree, rays }))
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(&self.tree.nodes[..]) + size_of_val(&self.tree.blocks[..])
+    }
+
+    /// Always `generic`: every instruction set gives the same bits.
+    fn isa(&self) -> &str {
+        "generic"
+    }
+}
+
+#[inline(always)]
+fn ray(rays: &Checked<'_>, lane: usize) -> Option<Ray> {
+    let r = rays.rays();
+    let origin = [r.ox[lane], r.oy[lane], r.oz[lane]];
+    let direction = [r.dx[lane], r.dy[lane], r.dz[lane]];
+    Ray::new(origin, direction, r.tmin[lane], r.tmax[lane])
+}
+
+struct Closest<'a> {
+    tree: Option<Tree<'a>>,
+    rays: Checked<'a>,
+    hits: &'a mut Hits,
+}
+
+impl Kernel for Closest<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let mut stack = Stack::default();
+        for lane in (0..LANES).filter(|&lane| self.rays.active() >> lane & 1 == 1) {
+            let ray = ray(&self.rays, lane);
+            let hit = match (&self.tree, &ray) {
+                (Some(tree), Some(ray)) => tree.closest(ray, &mut stack).map(|hit| (hit, ray)),
+                _ => None,
+            };
+            let (t, u, v, mesh, triangle) = match hit {
+                Some((hit, ray)) => (ray.unscale(hit.t), hit.u, hit.v, (hit.id >> 32) as u32, hit.id as u32),
+                None => (f32::INFINITY, 0.0, 0.0, MISS, MISS),
+            };
+            self.hits.t[lane] = t;
+            self.hits.u[lane] = u;
+            self.hits.v[lane] = v;
+            self.hits.mesh[lane] = mesh;
+            self.hits.triangle[lane] = triangle;
+        }
+    }
+}
+
+struct Occluded<'a> {
+    tree: Tree<'a>,
+    rays: Checked<'a>,
+}
+
+impl Kernel for Occluded<'_> {
+    type Output = Mask;
+
+    #[inline(always)]
+    fn run(self) -> Mask {
+        let mut stack = Stack::default();
+        let mut found = 0;
+        for lane in (0..LANES).filter(|&lane| self.rays.active() >> lane & 1 == 1) {
+            if ray(&self.rays, lane).is_some_and(|ray| self.tree.occluded(&ray, &mut stack)) {
+                found |= 1 << lane;
+            }
+        }
+        found
+    }
 }

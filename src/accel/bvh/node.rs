@@ -1,0 +1,163 @@
+//! The wide node: eight boxes in structure-of-arrays form, and the conservative slab test against them.
+//!
+//! **Why the boxes are a little too large.** The triangle test of [`super::triangle`] moves vertices into the
+//! ray's sheared frame in f32. With u = 2⁻²⁴, a vertex at the offset (x, y, z) from the ray's origin, z along
+//! the dominant axis, lands within 2u·|x| + 4u·|z| of where it belongs, so a ray may hit a triangle whose
+//! exact box it misses by that much. The slab distances (plane − origin)·(1/d) add 3u relative on the two
+//! axes compared, and storing enlarged planes 2u. The sum is below 14u·max(|x|, |z|), and an offset is at most
+//! |coordinate| + |origin|: both sides get their share at 16u = [`MARGIN`] — the boxes once, when they are
+//! stored ([`enlarge`]), the origin once a ray ([`super::ray`]). (Ize 2013, "Robust BVH ray traversal", bounds
+//! the slab's own 3u; Woop, Benthin and Wald 2013, section 3.3, the shear's part.) Nothing is added per
+//! node visited, and the sign of t does not matter.
+
+use super::bounds::Bounds;
+use super::ray::SlabRay;
+
+/// Children of a node.
+pub const WIDTH: usize = 8;
+
+/// Relative enlargement of boxes and of ray origins: 16 half-ulps, see the module's derivation.
+pub const MARGIN: f32 = 1.0 / (1 << 20) as f32;
+
+/// How far a box or an origin with this largest absolute coordinate is moved outwards. The smallest normal
+/// number is added since errors stop being relative below it.
+#[inline(always)]
+pub fn margin(largest: f32) -> f32 {
+    largest * MARGIN + f32::MIN_POSITIVE
+}
+
+/// `bounds` as stored: monotone, so a box that holds another still holds it when both are enlarged.
+#[inline(always)]
+pub fn enlarge(lo: [f32; 3], hi: [f32; 3]) -> ([f32; 3], [f32; 3]) {
+    let mut largest = 0.0f32;
+    for k in 0..3 {
+        largest = largest.max(lo[k].abs()).max(hi[k].abs());
+    }
+    let e = margin(largest);
+    (lo.map(|x| x - e), hi.map(|x| x + e))
+}
+
+/// What a node's slot or a stack entry points to: a node, or a run of triangle blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Child(u32);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    const COUNT_BITS: u32 = 3;
+
+    /// The most blocks a leaf can have.
+    pub const MAX_BLOCKS: usize = 1 << Self::COUNT_BITS;
+    /// The most blocks a structure can have, 2²⁸, and the most nodes.
+    pub const MAX_INDEX: usize = 1 << 28;
+    /// A slot without a child; its box is empty, so it is never entered.
+    pub const NONE: Child = Child(0);
+
+    /// The node of that index.
+    pub fn node(index: usize) -> Child {
+        Child(index as u32)
+    }
+
+    /// The blocks `first .. first + count`.
+    pub fn leaf(first: usize, count: usize) -> Child {
+        Child(Self::LEAF | (first as u32) << Self::COUNT_BITS | (count as u32 - 1))
+    }
+
+    /// The same child after nodes and blocks moved up by these numbers.
+    pub fn moved(self, nodes: usize, blocks: usize) -> Child {
+        match self.is_leaf() {
+            true => Child(self.0 + ((blocks as u32) << Self::COUNT_BITS)),
+            false => Child(self.0 + nodes as u32),
+        }
+    }
+
+    /// True when it is a run of blocks.
+    #[inline(always)]
+    pub fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
+    /// The node's index; only for what is no leaf.
+    #[inline(always)]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+
+    /// The leaf's blocks; only for a leaf.
+    #[inline(always)]
+    pub fn blocks(self) -> std::ops::Range<usize> {
+        let bits = self.0 & !Self::LEAF;
+        let first = (bits >> Self::COUNT_BITS) as usize;
+        first..first + (bits as usize & (Self::MAX_BLOCKS - 1)) + 1
+    }
+}
+
+/// Eight children: 224 bytes, so that eight lanes of one plane are one aligned 32-byte load.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct Node {
+    /// Enlarged planes: axis, then side (0 lower, 1 upper), then child. A side is picked by a ray's sign.
+    pub planes: [[[f32; WIDTH]; 2]; 3],
+    /// The children; [`Child::NONE`] behind the last.
+    pub children: [Child; WIDTH],
+}
+
+impl Node {
+    /// A node without children.
+    pub const EMPTY: Node = Node {
+        planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
+        children: [Child::NONE; WIDTH],
+    };
+
+    /// Fills one slot.
+    pub fn set(&mut self, slot: usize, bounds: &Bounds, child: Child) {
+        let (lo, hi) = enlarge(bounds.lo(), bounds.hi());
+        for axis in 0..3 {
+            self.planes[axis][0][slot] = lo[axis];
+            self.planes[axis][1][slot] = hi[axis];
+        }
+        self.children[slot] = child;
+    }
+
+    /// The distances at which the ray enters each child's box, and one bit for each box that the ray meets
+    /// on `tmin ..= tmax`. No NaN can arise: 1/d is finite and not zero, and infinite planes (of empty
+    /// slots) minus a finite origin stay infinite.
+    #[inline(always)]
+    pub fn enter(&self, ray: &SlabRay, tmin: f32, tmax: f32) -> ([f32; WIDTH], u32) {
+        let [sx, sy, sz] = ray.near_side;
+        let (nx, fx) = (&self.planes[0][sx & 1], &self.planes[0][(sx & 1) ^ 1]);
+        let (ny, fy) = (&self.planes[1][sy & 1], &self.planes[1][(sy & 1) ^ 1]);
+        let (nz, fz) = (&self.planes[2][sz & 1], &self.planes[2][(sz & 1) ^ 1]);
+        let (on, of, inv) = (&ray.near_origin, &ray.far_origin, &ray.inverse);
+        let mut near = [0.0; WIDTH];
+        let mut far = [0.0; WIDTH];
+        for i in 0..WIDTH {
+            let x = (nx[i] - on[0]) * inv[0];
+            let y = (ny[i] - on[1]) * inv[1];
+            let z = (nz[i] - on[2]) * inv[2];
+            near[i] = max(max(x, y), max(z, tmin));
+        }
+        for i in 0..WIDTH {
+            let x = (fx[i] - of[0]) * inv[0];
+            let y = (fy[i] - of[1]) * inv[1];
+            let z = (fz[i] - of[2]) * inv[2];
+            far[i] = min(min(x, y), min(z, tmax));
+        }
+        let mut met = 0;
+        for i in 0..WIDTH {
+            met |= ((near[i] <= far[i]) as u32) << i;
+        }
+        (near, met)
+    }
+}
+
+/// `f32::max` without its care for NaN, which costs two instructions more.
+#[inline(always)]
+pub fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// `f32::min` without its care for NaN.
+#[inline(always)]
+pub fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
