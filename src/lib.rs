@@ -1,6 +1,7 @@
 //! drt.
 pub mod error;
 pub mod math;
+pub mod output;
 pub mod shape;
 pub mod accel;
 pub mod bsdf;
