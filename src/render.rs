@@ -79,6 +79,7 @@ pub fn build(scene: &Scene, settings: &Settings, isa: Option<Isa>, hooks: &Hooks
         quality: settings.build.resolve(scene.triangles(), samples),
         compact: settings.compact,
         isa,
+        threads: rayon::current_num_threads(),
         progress: &progress,
     };
     settings.backend.build(&scene.meshes, &options)
