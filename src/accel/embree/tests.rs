@@ -281,7 +281,8 @@ fn a_panic_of_the_progress_function_arrives_at_the_caller() {
         true
     };
     let options = BuildOptions { progress: &progress, ..BuildOptions::default() };
-    let outcome = std::panic::catch_unwind(|| Embree::build(&meshes, &options).is_ok());
+    let outcome =
+        std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| Embree::build(&meshes, &options).is_ok()));
     let payload = outcome.expect_err("the panic was swallowed");
     assert!(payload.downcast_ref::<&str>().is_some_and(|m| m.contains("on purpose")));
 }
