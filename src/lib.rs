@@ -9,6 +9,7 @@ pub mod light;
 pub mod camera;
 pub mod film;
 pub mod scene;
+pub mod load;
 pub mod sampler;
 pub mod integrator;
 pub mod render;
