@@ -11,6 +11,8 @@ mod assemble;
 pub mod auto;
 mod framing;
 mod materials;
+pub mod mtl;
+pub mod obj;
 mod object;
 pub mod open;
 mod place;

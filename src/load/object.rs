@@ -2,6 +2,7 @@
 
 use super::auto;
 use super::materials::MaterialSpec;
+use super::obj;
 use crate::error::{Findings, Result};
 use crate::math::DVec3;
 use crate::shape::Mesh;
@@ -23,6 +24,15 @@ pub(crate) struct Object {
 
 /// Reads `file`. `progress` hears the share done; its `false` cancels.
 pub(crate) fn read(file: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Object> {
-    let _ = (file, progress, auto::CLAY);
-    Err(crate::error::Error::new("the OBJ reader is missing").at(file))
+    let options = obj::ReadOptions { progress, ..obj::ReadOptions::default() };
+    let read = obj::read(file, &options)?;
+    let names = read.material_names.iter().map(|name| String::from_utf8_lossy(name).into_owned());
+    let materials = names.map(|name| MaterialSpec::diffuse(name, auto::CLAY)).collect();
+    Ok(Object {
+        mesh: read.mesh,
+        origin: read.origin,
+        materials,
+        findings: read.findings,
+        skipped_faces: read.counts.skipped_faces,
+    })
 }
