@@ -205,6 +205,16 @@ impl Findings {
         }
     }
 
+    /// Counts `count` further findings of a kind without keeping their text.
+    pub fn count_more(&mut self, kind: &'static str, severity: Severity, count: u64) {
+        if count > 0 {
+            let entry =
+                self.kinds.entry(kind).or_insert_with(|| KindOfFinding { count: 0, severity, kept: Vec::new() });
+            entry.count += count;
+            entry.severity = entry.severity.max(severity);
+        }
+    }
+
     /// Counts by kind, in alphabetical order.
     pub fn counts(&self) -> impl Iterator<Item = (&'static str, u64, Severity)> + '_ {
         self.kinds.iter().map(|(kind, k)| (*kind, k.count, k.severity))

@@ -62,6 +62,8 @@ pub mod sampler;
 
 pub mod scene;
 
+pub mod load;
+
 pub mod integrator;
 pub mod render;
 

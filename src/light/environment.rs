@@ -19,6 +19,8 @@ pub enum Environment {
         horizon: Rgb,
         /// Radiance from straight above.
         zenith: Rgb,
+        /// Unit vector to the zenith.
+        up: Vec3,
         /// Unit direction to the key light.
         direction: Vec3,
         /// Radiance of the key light's middle.
@@ -37,10 +39,11 @@ impl Environment {
     pub fn le(&self, d: Vec3) -> Rgb {
         match self {
             Environment::Constant(radiance) => *radiance,
-            Environment::Studio { below, horizon, zenith, direction, key, sharpness } => {
-                let end = if d.y < 0.0 { below } else { zenith };
+            Environment::Studio { below, horizon, zenith, up, direction, key, sharpness } => {
+                let height = d.dot(*up);
+                let end = if height < 0.0 { below } else { zenith };
                 // A square root keeps the change of tone near the horizon, as skies do.
-                let t = d.y.abs().sqrt();
+                let t = height.abs().min(1.0).sqrt();
                 let lobe = libm::expf(sharpness * (d.dot(*direction) - 1.0));
                 *horizon * (1.0 - t) + *end * t + *key * lobe
             }
@@ -94,10 +97,11 @@ impl Environment {
     pub fn scaled(self, scale: f32) -> Environment {
         match self {
             Environment::Constant(radiance) => Environment::Constant(radiance * scale),
-            Environment::Studio { below, horizon, zenith, direction, key, sharpness } => Environment::Studio {
+            Environment::Studio { below, horizon, zenith, up, direction, key, sharpness } => Environment::Studio {
                 below: below * scale,
                 horizon: horizon * scale,
                 zenith: zenith * scale,
+                up,
                 direction,
                 key: key * scale,
                 sharpness,

@@ -35,6 +35,14 @@ pub(super) fn is_stream(path: &Path) -> bool {
 /// The first of these that fails, with the file and the system's reason.
 pub fn check_path(path: &Path) -> Result<()> {
     Format::of_path(path)?;
+    check_writable(path)
+}
+
+/// [`check_path`] for files that are no pictures.
+///
+/// # Errors
+/// As [`check_path`], but for the extension.
+pub fn check_writable(path: &Path) -> Result<()> {
     match destination(path)? {
         Destination::Stdout => Ok(()),
         // Opening a pipe would wait for its reader.

@@ -19,7 +19,7 @@ use crate::error::{Error, Result, unknown_word_advice};
 use crate::film::{Data, Image};
 
 pub use display::ToneMap;
-pub use file::{check_path, write_bytes};
+pub use file::{check_path, check_writable, write_bytes};
 
 /// A picture file's format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

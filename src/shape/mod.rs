@@ -5,6 +5,7 @@
 //! have indices of their own only where they differ from the positions'. Each face has a material id.
 
 mod mesh;
+mod normals;
 mod surface;
 pub use mesh::{Attribute, FaceMaterials, Mesh, NO_INDEX, Positions};
 pub use surface::{Surface, geometric_normal};

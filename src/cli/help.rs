@@ -1,0 +1,113 @@
+//! What `--help` and `--version` say; lists of names come from the code that owns them.
+
+use drt::accel::Backend;
+use drt::bsdf::{Bsdf, fresnel::METALS};
+use drt::camera::Projection;
+use drt::film::{Aov, Filter};
+use drt::light::Light;
+use drt::load::auto::{Sky, Up, View};
+use drt::math::isa::Isa;
+use drt::output::{FORMATS, ToneMap};
+use drt::scene::{IntegratorKind, LightSampling, SamplerKind};
+use std::fmt::Write;
+
+/// Below the short help.
+pub const SHORT: &str = "`drt --help` says more, with examples and every name that a flag or scene key may take.";
+
+const EXAMPLES: &str = "\
+EXAMPLES
+  drt bunny.obj
+      bunny.png: the mesh framed, in studio light
+  drt scan.obj --up z --view iso --ground --size 1920x1080 --spp 256 -o scan.exr -o scan.png
+      z is up; linear radiance for later, and a picture to look at
+  drt part.obj --integrator ao --sky white
+      how open each place is to its surroundings
+  drt kitchen.toml --set camera.fov=60 --set light.0.radiance=2
+      a scene file with two of its keys changed
+  drt kitchen.toml --crop 600,200,128,128 --spp 4096
+      a part of the picture at full quality, with the pixels of the whole
+  drt bunny.obj -q --stats - | jq .seconds
+      what took how long
+
+A SCENE FILE
+  [camera]
+  position = [0, 1, 5]
+  look_at = [0, 1, 0]
+  fov = 40                      # vertical, in degrees
+
+  [film]
+  size = [640, 480]
+  filter = \"gaussian\"           # or { type = \"gaussian\", sigma = 0.5, radius = 1.5 }
+
+  [[mesh]]
+  file = \"bunny.obj\"            # relative to this file
+  material = \"gold\"             # without it the MTL decides
+  transform = { scale = 2, rotate = { axis = [0, 1, 0], angle = 30 }, translate = [0, 1, 0] }
+
+  [materials.gold]
+  type = \"conductor\"
+  metal = \"gold\"
+  roughness = 0.3
+
+  [[light]]
+  type = \"environment\"
+  radiance = [1, 1, 1]
+
+  Right-handed, y up, metres, degrees, linear Rec.709. An unknown key is an error, never ignored.
+";
+
+const EXIT_CODES: &str = "\
+EXIT CODES
+  0 done, 1 failed, 2 wrong usage, 130 and 143 stopped by SIGINT or SIGTERM. A stopped render writes the
+  samples done; a second signal ends at once. An error is one line that begins with `error:`.
+";
+
+/// The long help below the flags.
+pub fn topics() -> String {
+    let mut text = format!("{EXAMPLES}\nNAMES\n");
+    let mut list = |title: &str, rows: &mut dyn Iterator<Item = (&str, &str)>| {
+        let _ = writeln!(text, "  {title}");
+        for (name, meaning) in rows {
+            let _ = writeln!(text, "    {name:<14} {meaning}");
+        }
+    };
+    list("integrator", &mut IntegratorKind::TABLE.iter().map(|r| (r.0, r.1)));
+    list("sampler", &mut SamplerKind::TABLE.iter().map(|r| (r.0, r.1)));
+    list("lights", &mut LightSampling::TABLE.iter().map(|r| (r.0, r.1)));
+    list("filter", &mut Filter::NAMES.iter().copied());
+    list("camera", &mut Projection::NAMES.iter().copied());
+    list("material", &mut Bsdf::NAMES.iter().copied());
+    list("light", &mut Light::NAMES.iter().copied());
+    list("sky", &mut Sky::TABLE.iter().map(|r| (r.0, r.1)));
+    list("view", &mut View::TABLE.iter().map(|r| (r.0, r.1)));
+    list("up", &mut Up::TABLE.iter().map(|r| (r.0, r.1)));
+    let words: [(&str, Vec<&str>); 5] = [
+        ("metal", METALS.iter().map(|m| m.0).collect()),
+        ("aov", Aov::ALL.map(Aov::name).to_vec()),
+        ("tone-map", ToneMap::NAMES.map(|n| n.0).to_vec()),
+        ("backend", Backend::ALL.iter().map(|b| b.name()).collect()),
+        ("output", FORMATS.iter().flat_map(|f| f.extensions).copied().collect()),
+    ];
+    for (title, names) in words {
+        let _ = writeln!(text, "  {title:<15} {}", names.join(", "));
+    }
+    format!("{text}\n{EXIT_CODES}")
+}
+
+/// What `--version` prints.
+pub fn version() -> String {
+    let embree = match (env!("DRT_EMBREE_VERSION"), cfg!(feature = "embree")) {
+        (_, false) => "without Embree".to_string(),
+        ("", true) => "with Embree".to_string(),
+        (version, true) => format!("Embree {version}"),
+    };
+    let backends: Vec<&str> = Backend::ALL.iter().map(|b| b.name()).collect();
+    let known: Vec<&str> = Isa::ALL.into_iter().filter(|isa| *isa <= Isa::best()).map(Isa::name).collect();
+    format!(
+        "drt {}\n{embree}\nbackends: {}\ninstruction sets of this machine: {} (best: {})\n",
+        env!("CARGO_PKG_VERSION"),
+        backends.join(", "),
+        known.join(", "),
+        Isa::best().name()
+    )
+}

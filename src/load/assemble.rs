@@ -1,0 +1,306 @@
+//! A plan and its mesh files become a [`Scene`].
+
+use super::auto::{self, Sky};
+use super::materials::MaterialSpec;
+use super::object::{self, Object};
+use super::place::{Extent, NormalsMode, Transform, place, rename_materials};
+use super::scene_file::{LightPlan, MaterialPatch, MeshPlan, Plan};
+use super::{Loaded, Options, cancelled};
+use crate::error::{Error, Finding, Findings, Result, Severity, unknown_word_advice};
+use crate::light::{Light, Point};
+use crate::math::{DVec3, Rgb};
+use crate::scene::{IntegratorKind, Scene};
+use crate::shape::{FaceMaterials, Mesh};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Reads the meshes of `plan` and puts everything in its place. `input`: the file to name in findings.
+pub(super) fn assemble(plan: Plan<'_>, input: &Path, options: &Options<'_>) -> Result<Loaded> {
+    let (files, mut objects) = read_objects(&plan.meshes, options)?;
+    let mut findings = Findings::default();
+    let mut skipped_faces = 0;
+    for object in objects.iter_mut().flatten() {
+        findings.append(std::mem::take(&mut object.findings));
+        skipped_faces += object.skipped_faces;
+    }
+    let mut palette = Palette::new(&plan.materials, objects.len());
+    let choices: Result<Vec<Choice>> = plan
+        .meshes
+        .iter()
+        .zip(&files.of_mesh)
+        .map(|(mesh, file)| palette.choose(mesh, *file, objects.get(*file).and_then(Option::as_ref)))
+        .collect();
+    let placements: Vec<Placement> = plan
+        .meshes
+        .iter()
+        .zip(&files.of_mesh)
+        .zip(choices?)
+        .map(|((mesh, file), choice)| Placement {
+            file: *file,
+            transform: mesh.transform,
+            normals: mesh.normals,
+            choice,
+        })
+        .collect();
+    for (name, field) in palette.unused() {
+        findings.push(Finding {
+            file: input.to_path_buf(),
+            line: field.line(),
+            kind: "material-not-used",
+            message: format!("no mesh has the material \"{name}\""),
+            severity: Severity::Note,
+        });
+    }
+    let origin = scene_origin(&placements, &objects);
+    let mut meshes = place_all(&placements, &mut objects, origin, &plan.meshes, options)?;
+    let up = plan.camera.up.unwrap_or(DVec3::Y);
+    let camera = plan.camera.frame(options.view.unwrap_or_default(), plan.settings.size, &meshes, origin);
+    if options.ground {
+        let bounds = meshes.iter().fold(crate::math::Aabb::EMPTY, |b, m| b.union(m.bounds()));
+        let id = palette.add(MaterialSpec::diffuse("ground", auto::GROUND));
+        meshes.push(Arc::new(auto::ground(&bounds, up, id)));
+    }
+    let forward = camera.look_at - camera.position;
+    let lights = plan.lights.iter().filter_map(|light| place_light(light, origin, up, forward)).collect();
+    let scene = Scene { origin, meshes, materials: palette.build(), lights, camera };
+    crate::camera::Camera::new(&scene.camera, scene.origin).map_err(|e| e.at(input))?;
+    if is_dark(&scene) && matches!(plan.settings.integrator, IntegratorKind::Path | IntegratorKind::Direct) {
+        findings.push(Finding {
+            file: input.to_path_buf(),
+            line: 0,
+            kind: "no-light",
+            message: "no light in the scene, so the picture is black; add a [[light]] or --sky studio".to_string(),
+            severity: Severity::Note,
+        });
+    }
+    Ok(Loaded { scene, settings: plan.settings, findings, skipped_faces, files: files.paths })
+}
+
+/// The distinct files, and which of them each mesh is in.
+struct Files {
+    paths: Vec<PathBuf>,
+    of_mesh: Vec<usize>,
+}
+
+/// Reads every file once.
+fn read_objects(meshes: &[MeshPlan<'_>], options: &Options<'_>) -> Result<(Files, Vec<Option<Object>>)> {
+    let mut paths: Vec<PathBuf> = Vec::new();
+    let of_mesh = meshes.iter().map(|mesh| {
+        paths.iter().position(|p| *p == mesh.file).unwrap_or_else(|| {
+            paths.push(mesh.file.clone());
+            paths.len() - 1
+        })
+    });
+    let of_mesh: Vec<usize> = of_mesh.collect();
+    let count = paths.len() as f64;
+    let objects: Result<Vec<Option<Object>>> = paths
+        .iter()
+        .enumerate()
+        .map(|(i, path)| {
+            let progress = |share: f64| (options.progress)((i as f64 + share) / count);
+            if !progress(0.0) {
+                return Err(cancelled());
+            }
+            object::read(path, &progress).map(Some)
+        })
+        .collect();
+    Ok((Files { paths, of_mesh }, objects?))
+}
+
+/// A mesh's materials: scene ids by the file's ids, or one for all.
+#[derive(Clone, PartialEq)]
+enum Choice {
+    One(u32),
+    ByFile(Vec<u32>),
+}
+
+/// Where a file's mesh stands, and how.
+#[derive(Clone, PartialEq)]
+struct Placement {
+    file: usize,
+    transform: Transform,
+    normals: NormalsMode,
+    choice: Choice,
+}
+
+/// The scene's materials as they gather.
+struct Palette<'p> {
+    patches: &'p BTreeMap<String, MaterialPatch<'p>>,
+    used: Vec<String>,
+    specs: Vec<MaterialSpec>,
+    /// By file: scene ids of its materials, once they are in.
+    of_file: Vec<Option<Vec<u32>>>,
+    /// Scene ids of materials that meshes name, by name and the file they come from.
+    named: BTreeMap<(String, Option<usize>), u32>,
+}
+
+impl<'p> Palette<'p> {
+    fn new(patches: &'p BTreeMap<String, MaterialPatch<'p>>, files: usize) -> Self {
+        Palette { patches, used: Vec::new(), specs: Vec::new(), of_file: vec![None; files], named: BTreeMap::new() }
+    }
+
+    fn add(&mut self, spec: MaterialSpec) -> u32 {
+        self.specs.push(spec);
+        (self.specs.len() - 1) as u32
+    }
+
+    fn patched(&mut self, spec: MaterialSpec) -> Result<MaterialSpec> {
+        match self.patches.get(&spec.name) {
+            None => Ok(spec),
+            Some(patch) => {
+                self.used.push(spec.name.clone());
+                patch.apply(spec)
+            }
+        }
+    }
+
+    /// The materials of a mesh: the one it names, or the file's own.
+    fn choose(&mut self, mesh: &MeshPlan<'_>, file: usize, object: Option<&Object>) -> Result<Choice> {
+        let own: &[MaterialSpec] = object.map_or(&[], |o| &o.materials);
+        let Some(field) = &mesh.material else { return self.own(own, file).map(Choice::ByFile) };
+        let name = field.text()?;
+        let in_file = own.iter().find(|m| m.name == name);
+        if in_file.is_none() && !self.patches.contains_key(name) {
+            let names = self.patches.keys().map(String::as_str).chain(own.iter().map(|m| m.name.as_str()));
+            let known: Vec<&str> = names.filter(|n| !n.is_empty()).collect();
+            return Err(field
+                .error(format!("unknown material \"{name}\""))
+                .advise(unknown_word_advice(name, &known)));
+        }
+        let key = (name.to_string(), in_file.map(|_| file));
+        if let Some(id) = self.named.get(&key) {
+            return Ok(Choice::One(*id));
+        }
+        let base = in_file.cloned().unwrap_or_else(|| MaterialSpec::diffuse(name, auto::CLAY));
+        let spec = self.patched(base)?;
+        let id = self.add(spec);
+        self.named.insert(key, id);
+        Ok(Choice::One(id))
+    }
+
+    fn own(&mut self, own: &[MaterialSpec], file: usize) -> Result<Vec<u32>> {
+        if let Some(ids) = self.of_file.get(file).and_then(Option::as_ref) {
+            return Ok(ids.clone());
+        }
+        let mut ids = Vec::with_capacity(own.len());
+        for spec in own {
+            let spec = self.patched(spec.clone())?;
+            ids.push(self.add(spec));
+        }
+        if let Some(slot) = self.of_file.get_mut(file) {
+            *slot = Some(ids.clone());
+        }
+        Ok(ids)
+    }
+
+    fn unused(&self) -> Vec<(&'p str, &'p super::scene_file::Field<'p>)> {
+        let patches = self.patches.iter().filter(|(name, _)| !self.used.contains(name));
+        patches.map(|(name, patch)| (name.as_str(), &patch.field)).collect()
+    }
+
+    /// Every face has a material, so there is at least one.
+    fn build(mut self) -> Vec<crate::bsdf::Material> {
+        if self.specs.is_empty() {
+            self.specs.push(MaterialSpec::diffuse("", auto::CLAY));
+        }
+        self.specs.into_iter().map(MaterialSpec::build).collect()
+    }
+}
+
+/// The origin that all meshes share, where they do and nothing moves them; else by the scene's extent.
+fn scene_origin(placements: &[Placement], objects: &[Option<Object>]) -> DVec3 {
+    let object = |p: &Placement| objects.get(p.file).and_then(Option::as_ref);
+    let own: Option<Vec<DVec3>> = placements
+        .iter()
+        .map(|p| object(p).filter(|_| p.transform == Transform::IDENTITY).map(|o| o.origin))
+        .collect();
+    if let Some([first, rest @ ..]) = own.as_deref() {
+        if rest.iter().all(|o| o == first) {
+            return *first;
+        }
+    }
+    let extent = placements.iter().fold(Extent::EMPTY, |sum, p| match object(p) {
+        Some(o) => sum.add(&o.mesh.bounds(), o.origin, &p.transform),
+        None => sum,
+    });
+    extent.origin()
+}
+
+/// Every mesh in its place. Equal placements share one mesh; the last use of a file takes its memory over.
+fn place_all(
+    placements: &[Placement],
+    objects: &mut [Option<Object>],
+    origin: DVec3,
+    plans: &[MeshPlan<'_>],
+    options: &Options<'_>,
+) -> Result<Vec<Arc<Mesh>>> {
+    let mut meshes: Vec<Arc<Mesh>> = Vec::with_capacity(placements.len());
+    for (i, placement) in placements.iter().enumerate() {
+        if !(options.progress)(1.0) {
+            return Err(cancelled());
+        }
+        let before = placements.get(..i).unwrap_or_default();
+        if let Some(shared) = before.iter().position(|p| p == placement).and_then(|at| meshes.get(at)) {
+            meshes.push(shared.clone());
+            continue;
+        }
+        let later = placements.get(i + 1..).unwrap_or_default();
+        let is_last = later.iter().all(|p| p.file != placement.file || *p == *placement);
+        let Some(slot) = objects.get_mut(placement.file) else { continue };
+        let taken = if is_last { slot.take().map(|o| (o.mesh, o.origin)) } else { None };
+        let Some((mut mesh, from)) = taken.or_else(|| slot.as_ref().map(|o| (o.mesh.clone(), o.origin))) else {
+            return Err(Error::new("a mesh was placed after its last use"));
+        };
+        match &placement.choice {
+            Choice::One(id) => mesh.materials = FaceMaterials::Uniform(*id),
+            Choice::ByFile(ids) => rename_materials(&mut mesh, ids),
+        }
+        let placed = place(mesh, from, origin, &placement.transform, placement.normals);
+        let placed = placed.map_err(|e| plans.get(i).map_or(e.clone(), |plan| plan.field.locate(e)))?;
+        meshes.push(Arc::new(placed));
+    }
+    Ok(meshes)
+}
+
+fn place_light(light: &LightPlan, origin: DVec3, up: DVec3, forward: DVec3) -> Option<Light> {
+    match light {
+        LightPlan::Constant(radiance) => Some(Light::Environment(crate::light::Environment::Constant(*radiance))),
+        LightPlan::Sky { sky, up: own, scale } => {
+            let environment = sky.environment(own.unwrap_or(up), forward)?;
+            Some(Light::Environment(environment.scaled(*scale)))
+        }
+        LightPlan::Point { position, intensity } => {
+            Some(Light::Point(Point { position: (*position - origin).as_vec3(), intensity: *intensity }))
+        }
+    }
+}
+
+/// No light, or only lights of radiance zero.
+fn is_dark(scene: &Scene) -> bool {
+    let dark = |light: &Light| match light {
+        Light::Environment(environment) => environment.average() == Rgb::ZERO,
+        Light::Point(point) => point.intensity == Rgb::ZERO,
+    };
+    scene.lights.iter().all(dark) && scene.materials.iter().all(|m| m.emission == Rgb::ZERO)
+}
+
+/// What `--view`, `--sky` and the like add to a plan.
+pub(super) fn apply_look(plan: &mut Plan<'_>, is_bare: bool, options: &Options<'_>) -> Result<()> {
+    if let Some(up) = options.up {
+        if plan.camera.up.is_some() {
+            return Err(Error::usage("--up: the scene sets camera.up").advise("use --set camera.up=[0,0,1]"));
+        }
+        plan.camera.up = Some(up.vector());
+    }
+    if options.view.is_some() && plan.camera.position.is_some() {
+        return Err(Error::usage("--view: the scene places the camera")
+            .advise("leave --view out, or move the camera with --set camera.position=[x,y,z]"));
+    }
+    let sky = options.sky.or((is_bare && plan.lights.is_empty()).then_some(Sky::Studio));
+    if let Some(sky) = sky {
+        plan.lights.retain(|light| !light.is_environment());
+        plan.lights.push(LightPlan::Sky { sky, up: None, scale: 1.0 });
+    }
+    Ok(())
+}

@@ -1,0 +1,58 @@
+//! From what files say about materials to [`Material`]s: a model with its numbers, which an MTL sets and
+//! `[materials.NAME]` changes key by key before it is built.
+
+use crate::bsdf::fresnel::Reflectance;
+use crate::bsdf::{Bsdf, Conductor, Diffuse, Material, Mirror};
+use crate::math::Rgb;
+
+/// A material before it is built.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct MaterialSpec {
+    /// The name in the file.
+    pub name: String,
+    /// The model with its numbers.
+    pub model: Model,
+    /// Emitted radiance.
+    pub emission: Rgb,
+    /// Whether the back scatters and emits as well.
+    pub two_sided: bool,
+}
+
+/// A scattering model with its numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Model {
+    Diffuse { reflectance: Rgb },
+    Mirror { reflectance: Rgb },
+    Conductor { reflectance: Reflectance, alpha: f32, compensate: bool },
+}
+
+impl Model {
+    /// Its name in scene files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Model::Diffuse { .. } => "diffuse",
+            Model::Mirror { .. } => "mirror",
+            Model::Conductor { .. } => "conductor",
+        }
+    }
+}
+
+impl MaterialSpec {
+    /// A two-sided diffuse material that emits nothing.
+    pub fn diffuse(name: impl Into<String>, reflectance: Rgb) -> Self {
+        let model = Model::Diffuse { reflectance };
+        MaterialSpec { name: name.into(), model, emission: Rgb::ZERO, two_sided: true }
+    }
+
+    /// The material that is rendered.
+    pub fn build(self) -> Material {
+        let bsdf = match self.model {
+            Model::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse { reflectance }),
+            Model::Mirror { reflectance } => Bsdf::Mirror(Mirror { reflectance }),
+            Model::Conductor { reflectance, alpha, compensate } => {
+                Bsdf::Conductor(Conductor::new(reflectance, alpha, compensate))
+            }
+        };
+        Material { name: self.name, bsdf, emission: self.emission, two_sided: self.two_sided }
+    }
+}

@@ -1,0 +1,115 @@
+//! Files become plain data.
+//!
+//! Readers are lenient: what is wrong with a file is skipped or replaced and reported as
+//! [`crate::error::Findings`] by file and line; only what makes the whole file useless is an error.
+//! Scene files are strict: an unknown key is an error.
+//!
+//! [`scene`] reads a scene file or a bare mesh. A bare mesh is a scene file with one mesh, so every key can
+//! be set for it too; what it lacks (camera, sky, clay) comes from [`auto`].
+
+mod assemble;
+pub mod auto;
+mod framing;
+mod materials;
+pub mod mtl;
+pub mod obj;
+mod object;
+pub mod open;
+mod place;
+mod scene_file;
+
+pub use scene_file::Override;
+
+use crate::error::{Error, Findings, Result, unknown_word_advice};
+use crate::scene::{Scene, Settings};
+use auto::{Sky, Up, View};
+use std::path::{Path, PathBuf};
+
+/// What the command line adds to a file.
+pub struct Options<'a> {
+    /// Keys of the scene file set from outside; later ones win.
+    pub overrides: Vec<Override>,
+    /// The axis that points up; +y by default.
+    pub up: Option<Up>,
+    /// Where an automatic camera stands.
+    pub view: Option<View>,
+    /// Puts a ground under the scene, as the last mesh.
+    pub ground: bool,
+    /// A built-in sky instead of the file's environment.
+    pub sky: Option<Sky>,
+    /// Told now and then the share done (0 to 1); `false` cancels the reading, which then fails with
+    /// [`cancelled`].
+    pub progress: &'a (dyn Fn(f64) -> bool + Sync),
+}
+
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Options { overrides: Vec::new(), up: None, view: None, ground: false, sky: None, progress: &|_| true }
+    }
+}
+
+/// A scene, how to render it, and what was noticed on the way.
+#[derive(Debug)]
+pub struct Loaded {
+    /// The scene.
+    pub scene: Scene,
+    /// How to render it.
+    pub settings: Settings,
+    /// What was skipped or replaced.
+    pub findings: Findings,
+    /// Faces left out because something is wrong with them.
+    pub skipped_faces: u64,
+    /// The mesh files that were read.
+    pub files: Vec<PathBuf>,
+}
+
+/// The error of a reading that its progress callback cancelled.
+pub fn cancelled() -> Error {
+    Error::new("reading the scene was cancelled")
+}
+
+/// Reads the scene file (`.toml`) or bare mesh (`.obj`) `input`.
+///
+/// Everything that the scene file says is checked before the first mesh is read.
+///
+/// # Errors
+/// The first wrong key or value, by file, line and column, or by flag with the blame on the usage; what makes
+/// a mesh file useless; coordinates beyond 1e18.
+pub fn scene(input: &Path, mut options: Options<'_>) -> Result<Loaded> {
+    open::open_regular(input)?;
+    let is_bare = is_mesh(input)?;
+    let mut tree = if is_bare { scene_file::tree_of_mesh(input) } else { scene_file::tree_of(input)? };
+    for change in std::mem::take(&mut options.overrides) {
+        change.apply(&mut tree)?;
+    }
+    let folder = match input.parent() {
+        Some(folder) if !is_bare => folder,
+        _ => Path::new(""),
+    };
+    let size = if is_bare { auto::SIZE } else { Settings::default().size };
+    let mut plan = scene_file::read(&tree, input, folder, Settings { size, ..Settings::default() })?;
+    if let (true, Some(mesh)) = (is_bare, plan.meshes.first_mut()) {
+        // The tree holds text; a path need not be any.
+        mesh.file = input.to_path_buf();
+    }
+    if plan.meshes.is_empty() && !plan.lights.iter().any(|light| light.is_environment()) {
+        return Err(Error::new("the scene has no mesh").at(input).advise("add a [[mesh]] with file = \"….obj\""));
+    }
+    assemble::apply_look(&mut plan, is_bare, &options)?;
+    assemble::assemble(plan, input, &options)
+}
+
+/// True for a mesh, false for a scene file, by extension.
+fn is_mesh(input: &Path) -> Result<bool> {
+    let extension = input.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        "obj" => Ok(true),
+        "toml" => Ok(false),
+        "" => Err(Error::new("the name has no extension, so its format is unknown")
+            .at(input)
+            .advise("name a mesh .obj or a scene .toml")),
+        other => Err(Error::new(format!("cannot read files of the kind \".{other}\""))
+            .at(input)
+            .advise(unknown_word_advice(other, &["obj", "toml"]))),
+    }
+}

@@ -1,0 +1,370 @@
+//! Blocks in the order of the file become one mesh.
+
+use super::block::{Block, Fatal, FaceRun, MAX_ELEMENTS, Materials};
+use super::cleanup::{duplicates, remove, survey};
+use super::corners::Corners;
+use super::faces::{Before, Known, finish_block, finish_deferred};
+use super::memory::{OutOfMemory, extend, grow, push};
+use super::notes::{Kind, Notes};
+use super::recenter::{choose_origin, recenter};
+use super::{Counts, Library, ObjFile};
+use crate::error::{Error, Result};
+use crate::shape::{Attribute, FaceMaterials, Mesh, Positions};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::path::Path;
+
+/// What has been read so far.
+pub(super) struct Assembly<'a> {
+    file: &'a Path,
+    positions: Vec<[f32; 3]>,
+    residuals: Vec<[i32; 3]>,
+    normals: Vec<[f32; 3]>,
+    uvs: Vec<[f32; 2]>,
+    unusable: [bool; 3],
+    triangles: Vec<[u32; 3]>,
+    uv_corners: Corners,
+    normal_corners: Corners,
+    materials: Materials,
+    names: Vec<Vec<u8>>,
+    ids: HashMap<Vec<u8>, u32>,
+    current_material: Option<u32>,
+    libraries: Vec<Library>,
+    deferred: Vec<FaceRun>,
+    notes: Notes,
+    counts: Counts,
+}
+
+/// Where a block's elements go.
+struct Place {
+    before: Before,
+    first_line: u64,
+    /// The file's material ids by the block's.
+    materials: Vec<u32>,
+}
+
+impl<'a> Assembly<'a> {
+    pub fn new(file: &'a Path) -> Self {
+        Assembly {
+            file,
+            positions: Vec::new(),
+            residuals: Vec::new(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            unusable: [false; 3],
+            triangles: Vec::new(),
+            uv_corners: Corners::Absent,
+            normal_corners: Corners::Absent,
+            materials: Materials::default(),
+            names: Vec::new(),
+            ids: HashMap::new(),
+            current_material: None,
+            libraries: Vec::new(),
+            deferred: Vec::new(),
+            notes: Notes::default(),
+            counts: Counts::default(),
+        }
+    }
+
+    /// Lines of all blocks so far.
+    pub fn lines(&self) -> u64 {
+        self.counts.lines
+    }
+
+    /// Adds the file's next blocks; empties them.
+    pub fn add(&mut self, blocks: &mut [Block]) -> Result<()> {
+        let mut places = Vec::with_capacity(blocks.len());
+        for block in blocks.iter_mut() {
+            places.push(self.add_vertices(block)?);
+        }
+        let known = Known {
+            positions: &self.positions,
+            residuals: &self.residuals,
+            normals: &self.normals,
+            uvs: &self.uvs,
+            unusable: self.unusable,
+            complete: false,
+        };
+        let deferred: Result<Vec<_>, OutOfMemory> = (blocks.par_iter_mut().zip(&places))
+            .map(|(block, place)| finish_block(block, place.before, &known))
+            .collect();
+        let deferred = deferred.map_err(|_| self.no_memory())?;
+        for ((block, place), deferred) in blocks.iter_mut().zip(places).zip(deferred) {
+            self.add_faces(block, &place, &deferred)?;
+            block.clear();
+        }
+        Ok(())
+    }
+
+    fn no_memory(&self) -> Error {
+        let (vertices, triangles) = (self.positions.len(), self.triangles.len());
+        Error::new(format!("not enough memory: {vertices} vertices and {triangles} triangles were read"))
+            .at(self.file)
+            .advise("use a machine with more memory, or split the mesh")
+    }
+
+    fn add_vertices(&mut self, block: &mut Block) -> Result<Place> {
+        let first_line = self.counts.lines + 1;
+        if let Some((line, fatal)) = block.fatal {
+            return Err(fatal_error(fatal, self.file, first_line + line));
+        }
+        let before = [self.positions.len(), self.uvs.len(), self.normals.len()];
+        self.check_limit("vertices", before[0] + block.positions.len())?;
+        self.check_limit("texture coordinates", before[1] + block.uvs.len())?;
+        self.check_limit("normals", before[2] + block.normals.len())?;
+        self.append_values(block).map_err(|_| self.no_memory())?;
+        for (ours, theirs) in self.unusable.iter_mut().zip(block.unusable) {
+            *ours |= theirs;
+        }
+        self.counts.lines += block.lines;
+        for (line, name) in block.libraries.drain(..) {
+            push(&mut self.libraries, Library { line: first_line + line, names: name })
+                .map_err(|_| super::no_memory(self.file))?;
+        }
+        let materials = self.map_materials(block).map_err(|_| self.no_memory())?;
+        Ok(Place { before: Before(before), first_line, materials })
+    }
+
+    fn append_values(&mut self, block: &Block) -> Result<(), OutOfMemory> {
+        extend(&mut self.positions, &block.positions)?;
+        extend(&mut self.residuals, &block.residuals)?;
+        extend(&mut self.normals, &block.normals)?;
+        extend(&mut self.uvs, &block.uvs)
+    }
+
+    fn check_limit(&self, what: &str, count: usize) -> Result<()> {
+        check_limit(what, count as u64).map_err(|e| e.at(self.file))
+    }
+
+    /// The file's ids for the block's, and what holds after it.
+    fn map_materials(&mut self, block: &mut Block) -> Result<Vec<u32>, OutOfMemory> {
+        let mut map = Vec::new();
+        // Ids never go back to 0, so if any face came before the block's first `usemtl`, its first did.
+        let inherits = !block.triangles.is_empty() && block.materials.uniform == 0;
+        let inherited = match self.current_material {
+            None if inherits => Some(self.material_id(Vec::new())?),
+            held => held,
+        };
+        self.current_material = inherited;
+        push(&mut map, inherited.unwrap_or(0))?;
+        for name in block.names.drain(..) {
+            let id = self.material_id(name)?;
+            push(&mut map, id)?;
+        }
+        if block.materials.current > 0 {
+            self.current_material = map.get(block.materials.current as usize).copied();
+        }
+        Ok(map)
+    }
+
+    fn material_id(&mut self, name: Vec<u8>) -> Result<u32, OutOfMemory> {
+        if let Some(&id) = self.ids.get(&name) {
+            return Ok(id);
+        }
+        let id = self.names.len() as u32;
+        push(&mut self.names, name.clone())?;
+        self.ids.try_reserve(1).map_err(|_| OutOfMemory)?;
+        self.ids.insert(name, id);
+        Ok(id)
+    }
+
+    fn add_faces(&mut self, block: &mut Block, place: &Place, deferred: &[FaceRun]) -> Result<()> {
+        let Before([vertices, uvs, normals]) = place.before;
+        self.notes.append(&mut block.notes, place.first_line, |kind| match kind {
+            Kind::VertexUnreadable | Kind::VertexTooLarge => vertices as i64,
+            Kind::NormalUnreadable | Kind::NormalZero => normals as i64,
+            Kind::UvUnreadable => uvs as i64,
+            _ => 0,
+        });
+        self.counts.faces += block.faces;
+        self.counts.skipped_faces += block.skipped;
+        self.check_limit("triangles", self.triangles.len() + block.triangles.len())?;
+        self.append_faces(block, place, deferred).map_err(|_| self.no_memory())
+    }
+
+    fn append_faces(&mut self, block: &Block, place: &Place, deferred: &[FaceRun]) -> Result<(), OutOfMemory> {
+        let before = self.triangles.len();
+        self.uv_corners.append(&block.uv_corners, &self.triangles, &block.triangles)?;
+        self.normal_corners.append(&block.normal_corners, &self.triangles, &block.triangles)?;
+        let id = |local: u32| place.materials.get(local as usize).copied().unwrap_or(0);
+        let mut done = before;
+        for same in block.materials.per_face.chunk_by(|a, b| a == b) {
+            self.materials.extend(done, same.len(), same.first().map_or(0, |&local| id(local)))?;
+            done += same.len();
+        }
+        if done == before && !block.triangles.is_empty() {
+            self.materials.extend(before, block.triangles.len(), id(block.materials.uniform))?;
+        }
+        extend(&mut self.triangles, &block.triangles)?;
+        grow(&mut self.deferred, deferred.len())?;
+        for run in deferred {
+            let (first_triangle, first_line) = (before + run.first_triangle, place.first_line + run.first_line);
+            self.deferred.push(FaceRun { first_triangle, first_line, ..*run });
+        }
+        Ok(())
+    }
+
+    /// The mesh of everything that was added.
+    pub fn finish(mut self, keep_empty: bool) -> Result<ObjFile> {
+        self.counts.vertices = self.positions.len() as u64;
+        self.counts.normals = self.normals.len() as u64;
+        self.counts.uvs = self.uvs.len() as u64;
+        let file = self.file;
+        let origin = self.clean_up().map_err(|_| super::no_memory(file))?;
+        let findings = self.notes.into_findings(file);
+        if self.triangles.is_empty() && !keep_empty {
+            return Err(no_faces(file, &self.counts, &findings));
+        }
+        let attribute = |corners| match corners {
+            Corners::Own(list) => Some(list),
+            Corners::Absent | Corners::Same => None,
+        };
+        let normals = (self.normal_corners != Corners::Absent)
+            .then(|| Attribute { values: self.normals, indices: attribute(self.normal_corners) });
+        let uvs = (self.uv_corners != Corners::Absent)
+            .then(|| Attribute { values: self.uvs, indices: attribute(self.uv_corners) });
+        let materials = face_materials(&mut self.materials);
+        let positions = Positions::new(self.positions);
+        Ok(ObjFile {
+            mesh: Mesh { positions, indices: self.triangles, normals, uvs, materials },
+            origin,
+            material_names: self.names,
+            libraries: self.libraries,
+            findings,
+            counts: self.counts,
+        })
+    }
+
+    /// Judges what had to wait, chooses the origin, drops what does harm.
+    fn clean_up(&mut self) -> Result<crate::math::DVec3, OutOfMemory> {
+        self.finish_deferred()?;
+        self.counts.triangles = self.triangles.len() as u64;
+        for position in self.positions.iter_mut().filter(|_| self.unusable[0]) {
+            if position[0].is_nan() {
+                *position = [0.0; 3];
+            }
+        }
+        for uv in self.uvs.iter_mut().filter(|_| self.unusable[2]) {
+            if uv[0].is_nan() {
+                *uv = [0.0; 2];
+            }
+        }
+        let mut found = survey(&self.triangles, &self.positions)?;
+        let origin = choose_origin(found.bounds, &self.triangles, &self.positions, &self.residuals);
+        if origin != crate::math::DVec3::ZERO {
+            recenter(&mut self.positions, &self.residuals, origin);
+            found = survey(&self.triangles, &self.positions)?;
+        }
+        self.residuals = Vec::new();
+        grow(&mut self.positions, Positions::PADDING)?;
+
+        self.counts.zero_area = found.without_area.len() as u64;
+        self.notes.add_without_line(Kind::FaceZeroArea, self.counts.zero_area);
+        remove(&mut found.hashes, &found.without_area);
+        self.remove_triangles(&found.without_area);
+        let materials = face_materials(&mut self.materials);
+        let copies = duplicates(&found.hashes, &self.triangles, &self.positions, &materials)?;
+        if let FaceMaterials::PerFace(ids) = materials {
+            self.materials.per_face = ids;
+        }
+        self.counts.duplicates = copies.len() as u64;
+        self.notes.add_without_line(Kind::FaceDuplicate, self.counts.duplicates);
+        self.remove_triangles(&copies);
+        self.uv_corners.compress(&self.triangles);
+        self.normal_corners.compress(&self.triangles);
+        self.shrink();
+        Ok(origin)
+    }
+
+    fn finish_deferred(&mut self) -> Result<(), OutOfMemory> {
+        let known = Known {
+            positions: &self.positions,
+            residuals: &self.residuals,
+            normals: &self.normals,
+            uvs: &self.uvs,
+            unusable: self.unusable,
+            complete: true,
+        };
+        let (uvs, normals) = (&mut self.uv_corners, &mut self.normal_corners);
+        let (removed, skipped) =
+            finish_deferred(&mut self.triangles, uvs, normals, &self.deferred, &known, &mut self.notes)?;
+        self.counts.skipped_faces += skipped;
+        self.deferred = Vec::new();
+        self.remove_triangles(&removed);
+        Ok(())
+    }
+
+    fn remove_triangles(&mut self, removed: &[u32]) {
+        remove(&mut self.triangles, removed);
+        remove(&mut self.materials.per_face, removed);
+        for corners in [&mut self.uv_corners, &mut self.normal_corners] {
+            if let Corners::Own(list) = corners {
+                remove(list, removed);
+            }
+        }
+    }
+
+    /// Gives the room for growth back.
+    fn shrink(&mut self) {
+        self.positions.shrink_to(self.positions.len() + Positions::PADDING);
+        self.normals.shrink_to_fit();
+        self.uvs.shrink_to_fit();
+        self.triangles.shrink_to_fit();
+        self.materials.per_face.shrink_to_fit();
+        for corners in [&mut self.uv_corners, &mut self.normal_corners] {
+            if let Corners::Own(list) = corners {
+                list.shrink_to_fit();
+            }
+        }
+    }
+}
+
+/// Takes the materials; one for all where they are the same.
+fn face_materials(materials: &mut Materials) -> FaceMaterials {
+    let ids = std::mem::take(&mut materials.per_face);
+    match ids.first() {
+        None => FaceMaterials::Uniform(materials.uniform),
+        Some(&first) if ids.iter().all(|&id| id == first) => {
+            materials.uniform = first;
+            FaceMaterials::Uniform(first)
+        }
+        Some(_) => FaceMaterials::PerFace(ids),
+    }
+}
+
+/// Refuses more elements than indices and Embree's buffers can address.
+pub(super) fn check_limit(what: &str, count: u64) -> Result<()> {
+    if count <= MAX_ELEMENTS {
+        return Ok(());
+    }
+    Err(Error::new(format!("more than {MAX_ELEMENTS} {what} (2^32/3, 16 GiB) in one mesh"))
+        .advise("split the file into several meshes of one scene"))
+}
+
+fn fatal_error(fatal: Fatal, file: &Path, line: u64) -> Error {
+    match fatal {
+        Fatal::Nul => Error::new("a NUL byte: this is no text file").advise("is it really an OBJ file?"),
+        Fatal::Utf16 => Error::new("looks like UTF-16").advise("convert it to UTF-8 or plain ASCII"),
+        Fatal::LineTooLong => super::line_too_long(),
+        Fatal::OutOfMemory => return super::no_memory(file),
+    }
+    .at(file)
+    .line(line)
+}
+
+/// Why there is nothing to render: an empty picture would be a lie.
+fn no_faces(file: &Path, counts: &Counts, findings: &crate::error::Findings) -> Error {
+    let (faces, skipped) = (counts.faces, counts.skipped_faces);
+    let why = if counts.lines == 0 {
+        "the file is empty".to_string()
+    } else if faces == 0 {
+        format!("it has {} vertices and not one `f` statement", counts.vertices)
+    } else if skipped == faces {
+        let first = findings.kept().filter(|f| f.line > 0).min_by_key(|f| f.line);
+        let example = first.map(|f| format!("; line {}: {}", f.line, f.message)).unwrap_or_default();
+        format!("all {faces} faces were skipped{example}")
+    } else {
+        format!("{skipped} of {faces} faces were skipped, and the others have no area")
+    };
+    Error::new("no renderable faces").at(file).advise(why)
+}

@@ -1,0 +1,112 @@
+//! `[camera]`: what the file says; what it leaves open is found when the meshes are known.
+
+use super::reader::{COORDINATE, Field, LENGTH, Section};
+use crate::camera::{Camera, CameraSpec, Projection, Window};
+use crate::error::{Error, Result, unknown_word_advice};
+use crate::load::framing::{CameraPlan, Lens};
+use crate::math::DVec3;
+
+/// Reads the section.
+pub(super) fn read(mut camera: Section<'_>) -> Result<CameraPlan> {
+    camera.not_yet(&["shutter"])?;
+    let projection = camera.read("type", |f| f.word(&["panorama"], projection))?;
+    let projection = projection.unwrap_or(Projection::Perspective);
+    let position = camera.get("position");
+    let look_at = camera.get("look_at");
+    let up = camera.get("up");
+    let plan = CameraPlan {
+        projection,
+        position: position.as_ref().map(Field::point).transpose()?,
+        look_at: look_at.as_ref().map(Field::point).transpose()?,
+        up: up.as_ref().map(Field::point).transpose()?,
+        lens: lens(&mut camera, projection)?,
+        aperture: camera.read("aperture", |f| f.number(0.0..=1e18))?.unwrap_or(0.0),
+        focus_distance: camera.read("focus_distance", |f| f.number(LENGTH))?,
+    };
+    camera.finish()?;
+    if let (None, Some(look_at)) = (&position, &look_at) {
+        return Err(look_at
+            .error("camera.look_at stands without camera.position")
+            .advise("give both, or neither for a camera that frames the scene"));
+    }
+    if plan.up == Some(DVec3::ZERO) {
+        if let Some(up) = &up {
+            return Err(up.error("camera.up must have a direction, not [0, 0, 0]"));
+        }
+    }
+    if let (Some(position), Some(look_at)) = (&position, &look_at) {
+        check_view(&plan, position, look_at, up.as_ref())?;
+    }
+    Ok(plan)
+}
+
+fn projection(word: &str) -> Result<Projection> {
+    match word {
+        "perspective" => Ok(Projection::Perspective),
+        "orthographic" => Ok(Projection::Orthographic),
+        _ => {
+            let known: Vec<&str> = Projection::NAMES.iter().map(|n| n.0).collect();
+            Err(Error::new(format!("unknown camera type \"{word}\"")).advise(unknown_word_advice(word, &known)))
+        }
+    }
+}
+
+/// `fov`, `plane` or `height`: one of them, and the one that the projection has.
+fn lens(camera: &mut Section<'_>, projection: Projection) -> Result<Lens> {
+    let (fov, plane, height) = (camera.get("fov"), camera.get("plane"), camera.get("height"));
+    match (projection, &fov, &plane, &height) {
+        (_, Some(_), Some(plane), _) => {
+            Err(plane.error("camera.plane and camera.fov both set the picture's width").advise("give one of them"))
+        }
+        (Projection::Perspective, _, _, Some(height)) => Err(height
+            .error("camera.height is for the orthographic camera")
+            .advise("a perspective camera has fov, in degrees")),
+        (Projection::Orthographic, Some(fov), _, _) => Err(fov
+            .error("camera.fov is for the perspective camera")
+            .advise("an orthographic camera has height, in metres")),
+        (Projection::Orthographic, _, Some(plane), Some(_)) => Err(plane
+            .error("camera.plane and camera.height both set the picture's height")
+            .advise("give one of them")),
+        (_, _, Some(plane), _) => plane_window(plane).map(Lens::Plane),
+        (_, Some(fov), _, _) => fov.number(0.001..=179.9).map(Lens::Fov),
+        (_, _, _, Some(height)) => height.number(LENGTH).map(Lens::Height),
+        (_, None, None, None) => Ok(Lens::Usual),
+    }
+}
+
+/// The image plane of the notes' eq. (5) and section 13.1.
+fn plane_window(field: &Field<'_>) -> Result<Window> {
+    let mut plane = field.section()?;
+    let mut border = |key: &'static str| {
+        plane.read(key, |f| f.number(COORDINATE))?.ok_or_else(|| {
+            field.error(format!("{} has no {key}", field.name())).advise("it needs left, right, top and bottom")
+        })
+    };
+    let (left, right) = (border("left")?, border("right")?);
+    let (top, bottom) = (border("top")?, border("bottom")?);
+    let distance = plane.read("distance", |f| f.number(LENGTH))?.unwrap_or(1.0);
+    plane.finish()?;
+    if left == right || top == bottom {
+        return Err(field.error(format!("{} is empty", field.name())));
+    }
+    Ok(Window { left, right, top, bottom, distance })
+}
+
+/// Refuses a view without a direction, at the value that spoils it.
+fn check_view(plan: &CameraPlan, position: &Field<'_>, look_at: &Field<'_>, up: Option<&Field<'_>>) -> Result<()> {
+    let (Some(eye), Some(target)) = (plan.position, plan.look_at) else { return Ok(()) };
+    let spec = CameraSpec {
+        projection: plan.projection,
+        position: eye,
+        look_at: target,
+        up: plan.up.unwrap_or(DVec3::Y),
+        window: CameraSpec::fov_window(40.0, [1, 1]),
+        aperture: 0.0,
+        focus_distance: 1.0,
+    };
+    match Camera::new(&spec, DVec3::ZERO) {
+        Ok(_) => Ok(()),
+        Err(e) if eye == target => Err(position.locate(e)),
+        Err(e) => Err(up.unwrap_or(look_at).locate(e)),
+    }
+}

@@ -1,0 +1,94 @@
+//! Scene files: TOML text becomes a [`Plan`], everything checked that can be checked before a mesh is read.
+//!
+//! Text → tree with origins ([`tree`]) → values from the command line put in ([`overrides`]) → typed
+//! reading, one file a section, where an unknown key is an error with its line, column and a suggestion.
+
+mod camera;
+mod film;
+mod light;
+mod material;
+mod mesh;
+mod overrides;
+mod reader;
+mod render;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+pub use overrides::Override;
+
+pub(crate) use light::LightPlan;
+pub(crate) use material::MaterialPatch;
+pub(crate) use mesh::MeshPlan;
+pub(crate) use reader::Field;
+pub(crate) use tree::Entries;
+
+use super::framing::CameraPlan;
+use crate::error::{Error, Result};
+use crate::scene::Settings;
+use reader::Section;
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+use tree::{Entry, Node, Value};
+
+/// Larger scene files are taken for something else.
+const LARGEST_FILE: u64 = 64 << 20;
+
+/// A scene as its file says it.
+pub(crate) struct Plan<'t> {
+    pub settings: Settings,
+    pub camera: CameraPlan,
+    pub meshes: Vec<MeshPlan<'t>>,
+    pub materials: BTreeMap<String, MaterialPatch<'t>>,
+    pub lights: Vec<LightPlan>,
+}
+
+/// Reads a scene file into a tree.
+///
+/// # Errors
+/// The file cannot be read, or is no TOML.
+pub(crate) fn tree_of(file: &Path) -> Result<Entries> {
+    let (handle, _) = super::open::open_regular(file)?;
+    let mut bytes = Vec::new();
+    handle.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|e| Error::io("read", file, &e))?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(Error::new("too large for a scene file (limit 64 MiB)").at(file));
+    }
+    let text = std::str::from_utf8(&bytes).map_err(|e| {
+        let before = bytes.get(..e.valid_up_to()).unwrap_or_default();
+        let line = before.iter().filter(|b| **b == b'\n').count() as u64 + 1;
+        Error::new("not UTF-8").at(file).line(line).advise("scene files are TOML, in UTF-8")
+    })?;
+    tree::parse(text, file)
+}
+
+/// The tree of a scene that is one mesh.
+pub(crate) fn tree_of_mesh(file: &Path) -> Entries {
+    let flag: Arc<str> = "INPUT".into();
+    let entry = |value| Entry { key_origin: tree::Origin::Flag(flag.clone()), node: Node::from_flag(value, &flag) };
+    let path = entry(Value::Text(file.to_string_lossy().into_owned()));
+    let mesh = Value::Table(Entries::from([("file".to_string(), path)]));
+    Entries::from([("mesh".to_string(), entry(Value::List(vec![Node::from_flag(mesh, &flag)])))])
+}
+
+/// Reads every section. Paths in it are relative to `folder`; `settings` are the defaults.
+///
+/// # Errors
+/// The first wrong value or unknown key, by line and column or by flag.
+pub(crate) fn read<'t>(tree: &'t Entries, file: &'t Path, folder: &Path, mut settings: Settings) -> Result<Plan<'t>> {
+    let mut top = Section::top(tree, file);
+    if let Some(film) = top.get("film") {
+        film::read(film.section()?, &mut settings)?;
+    }
+    if let Some(render) = top.get("render") {
+        render::read(render.section()?, &mut settings)?;
+    }
+    let camera = top.read("camera", |f| camera::read(f.section()?))?.unwrap_or_default();
+    let meshes = top.read("mesh", |f| mesh::read_all(&f, folder))?.unwrap_or_default();
+    let materials = top.read("materials", |f| material::read_all(&f))?.unwrap_or_default();
+    let lights = top.read("light", |f| light::read_all(&f))?.unwrap_or_default();
+    top.finish()?;
+    Ok(Plan { settings, camera, meshes, materials, lights })
+}
