@@ -179,7 +179,8 @@ impl Intersector for Brute {
     }
 
     fn occluded(&self, rays: Checked<'_>, _: Coherence) -> Mask {
-        let blocked = |lane: &usize| rays.active() >> lane & 1 == 1 && self.any(&Ray64::of(rays.rays(), *lane));
+        let blocked =
+            |lane: &usize| rays.active() >> lane & 1 == 1 && self.any(&Ray64::of(rays.rays(), *lane));
         (0..LANES).filter(blocked).fold(0, |mask, lane| mask | 1 << lane)
     }
 

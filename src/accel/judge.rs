@@ -205,7 +205,9 @@ impl Judge {
                 Err(verdict) => verdict,
             },
             (Some(a), Some(b)) => match (self.claim(&ray, a), self.claim(&ray, b)) {
-                (Ok(a), Ok(b)) if (a.answer.mesh, a.answer.triangle) == (b.answer.mesh, b.answer.triangle) => {
+                (Ok(a), Ok(b))
+                    if (a.answer.mesh, a.answer.triangle) == (b.answer.mesh, b.answer.triangle) =>
+                {
                     same_triangle(&ray, &a, &b)
                 }
                 (Ok(a), Ok(b)) => self.two_triangles(&ray, &a, &b),

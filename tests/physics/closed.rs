@@ -53,7 +53,7 @@ fn o3_a_white_closed_body_vanishes() {
         for (name, mesh) in [("torus", torus(160, 90)), ("cube", cube()), ("sphere", sphere(60, 90))] {
             let toml = object("[96, 64]", OUTSIDE, 1000, "reflectance = 1.0", SKY);
             let (image, stats) = stage(&toml, &[("m.obj", mesh)], backend, &[]).render(|_| ());
-            assert!(stats.bounce_rays > 20_000, "{name}: the camera misses the body");
+            assert!(stats.bounce_rays > 5_000, "{name}: the camera misses the body");
             assert!(pixels(&image).iter().all(|v| *v == 1.0), "{name}: not everywhere 1");
         }
     });
@@ -67,9 +67,11 @@ fn o4_the_inside_of_an_emitting_body_is_a_geometric_series() {
             for (name, mesh) in [("cube", cube()), ("sphere", sphere(40, 60))] {
                 let material = format!("reflectance = {rho}\nemission = 1.0");
                 let toml = object("[8, 8]", INSIDE, 1000, &material, "");
-                stage(&toml, &[("m.obj", mesh)], backend, &["render.spp=256"])
-                    .statistics()
-                    .expect(&format!("O4 {name} ρ {rho}"), exact, 0.0);
+                stage(&toml, &[("m.obj", mesh)], backend, &["render.spp=256"]).statistics().expect(
+                    &format!("O4 {name} ρ {rho}"),
+                    exact,
+                    0.0,
+                );
             }
         }
     });
@@ -80,9 +82,11 @@ fn o5_each_scattering_event_adds_its_term() {
     on_every_backend(|backend| {
         for (depth, exact) in [(0, 1.0), (1, 1.8), (2, 2.44), (3, 2.952)] {
             let toml = object("[8, 8]", INSIDE, depth, "reflectance = 0.8\nemission = 1.0", "");
-            stage(&toml, &[("m.obj", cube())], backend, &["render.spp=64"])
-                .statistics()
-                .expect(&format!("O5 depth {depth}"), exact, 0.0);
+            stage(&toml, &[("m.obj", cube())], backend, &["render.spp=64"]).statistics().expect(
+                &format!("O5 depth {depth}"),
+                exact,
+                0.0,
+            );
         }
     });
 }
@@ -94,22 +98,30 @@ fn o6_a_point_in_a_sphere() {
     on_every_backend(|backend| {
         for (depth, exact) in [(1, 0.5), (1000, 1.0)] {
             let toml = object("[8, 8]", INSIDE, depth, "reflectance = 0.5", light);
-            stage(&toml, &[("m.obj", sphere(100, 120))], backend, &["render.spp=64"])
-                .statistics()
-                .expect(&format!("O6 depth {depth}"), exact, 1e-3);
+            stage(&toml, &[("m.obj", sphere(100, 120))], backend, &["render.spp=64"]).statistics().expect(
+                &format!("O6 depth {depth}"),
+                exact,
+                1e-3,
+            );
         }
     });
 }
 
-/// Every strategy has the same mean: light samples alone, BSDF samples alone, both; with and without
-/// roulette; with any sampler; whatever the number of samples.
+/// Every strategy has the same mean: BSDF samples alone or with light samples; with and without roulette; with
+/// any sampler and filter; whatever the number of samples. (Light samples alone are tested on lamps: inside a
+/// body that shines all over, 1/d² makes their variance infinite.)
 #[test]
 fn means_do_not_depend_on_how_they_are_sampled() {
     on_every_backend(|backend| {
         let toml = object("[8, 8]", INSIDE, 1000, "reflectance = 0.5\nemission = 1.0", "");
         for set in [
-            "render.lights=mis", "render.lights=light", "render.lights=bsdf", "render.roulette=false",
-            "render.sampler=random", "render.sampler=stratified", "film.filter=gaussian",
+            "render.lights=mis",
+            "render.lights=bsdf",
+            "render.roulette=false",
+            "render.sampler=random",
+            "render.sampler=stratified",
+            "film.filter=gaussian",
+            "film.filter=mitchell",
         ] {
             stage(&toml, &[("m.obj", cube())], backend, &["render.spp=128", set])
                 .statistics()

@@ -36,7 +36,8 @@ fn slopes_on_a_smooth_pixel() {
     // ρ/π times the square's solid angle from a point above its middle: ∫ h/r³ dA.
     let h: f64 = 0.8;
     let exact = 0.5 / PI * 4.0 * (0.25 / (h * (0.5 + h * h).sqrt())).atan();
-    let light = "reflectance = 0.5\n[[light]]\ntype = \"point\"\nposition = [0.5, 0.5, 0.8]\nintensity = 1.0\n";
+    let light =
+        "reflectance = 0.5\n[[light]]\ntype = \"point\"\nposition = [0.5, 0.5, 0.8]\nintensity = 1.0\n";
     let floor = obj(&[vec![[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [2.0, 2.0, 0.0], [-1.0, 2.0, 0.0]]]);
     on_every_backend(|backend| {
         let stage = stage(&pixel(light), &[("m.obj", floor.clone())], backend, &[]);
@@ -53,7 +54,12 @@ fn slopes_on_a_smooth_pixel() {
 fn slopes_on_an_edge() {
     // A luminous half plane x + 0.7·y < 0.9 covers .55 of the pixel.
     let emit = "reflectance = 0.0\nemission = 1.0\n";
-    let half = obj(&[vec![[0.9 + 7.0, -10.0, 0.0], [0.9 - 7.0, 10.0, 0.0], [-20.0, 10.0, 0.0], [-20.0, -10.0, 0.0]]]);
+    let half = obj(&[vec![
+        [0.9 + 7.0, -10.0, 0.0],
+        [0.9 - 7.0, 10.0, 0.0],
+        [-20.0, 10.0, 0.0],
+        [-20.0, -10.0, 0.0],
+    ]]);
     on_every_backend(|backend| {
         let stage = stage(&pixel(emit), &[("m.obj", half.clone())], backend, &[]);
         for (sampler, gate) in

@@ -41,9 +41,14 @@ fn o7_a_square_lamp_over_a_floor() {
             assert!((formula / exact - 1.0).abs() < 1e-5, "the formula itself: {formula}");
             let lamp = ("lamp.obj", obj(&[SQUARE.to_vec()]));
             for lights in ["mis", "light"] {
-                stage(&floor_at(x, LAMP), &[floor(), lamp.clone()], backend, &[&format!("render.lights={lights}")])
-                    .statistics()
-                    .expect(&format!("O7 x {x} {lights}"), exact, 0.0);
+                stage(
+                    &floor_at(x, LAMP),
+                    &[floor(), lamp.clone()],
+                    backend,
+                    &[&format!("render.lights={lights}")],
+                )
+                .statistics()
+                .expect(&format!("O7 x {x} {lights}"), exact, 0.0);
             }
         }
         let lamp = ("lamp.obj", obj(&[SQUARE.to_vec()]));
@@ -60,9 +65,11 @@ fn two_lamps_add_up() {
     let exact = 0.5 / PI * (lambert(&SQUARE, [0.3, 0.0, 0.0]) + lambert(&small, [0.3, 0.0, 0.0]));
     on_every_backend(|backend| {
         let lamps = ("lamp.obj", obj(&[SQUARE.to_vec(), small.to_vec()]));
-        stage(&floor_at(0.3, LAMP), &[floor(), lamps], backend, &["render.spp=256"])
-            .statistics()
-            .expect("two lamps", exact, 0.0);
+        stage(&floor_at(0.3, LAMP), &[floor(), lamps], backend, &["render.spp=256"]).statistics().expect(
+            "two lamps",
+            exact,
+            0.0,
+        );
     });
 }
 
@@ -72,9 +79,11 @@ fn o10_a_triangular_lamp() {
         let triangle = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
         assert!((lambert(&triangle, [0.0; 3]) - 0.302_299_9).abs() < 1e-6);
         let lamp = ("lamp.obj", obj(&[triangle.to_vec()]));
-        stage(&floor_at(0.0, LAMP), &[floor(), lamp], backend, &[])
-            .statistics()
-            .expect("O10", 0.048_112_5, 0.0);
+        stage(&floor_at(0.0, LAMP), &[floor(), lamp], backend, &[]).statistics().expect(
+            "O10",
+            0.048_112_5,
+            0.0,
+        );
     });
 }
 
@@ -100,7 +109,8 @@ fn point(height: f64) -> String {
 #[test]
 fn o15_a_point_over_a_floor() {
     on_every_backend(|backend| {
-        let at = |x: f64, height: f64| stage(&floor_at(x, &point(height)), &[floor()], backend, &[]).statistics();
+        let at =
+            |x: f64, height: f64| stage(&floor_at(x, &point(height)), &[floor()], backend, &[]).statistics();
         at(0.0, 2.0).expect("O15 below", 0.039_788_7, 0.0);
         at(2.0, 2.0).expect("O15 at x = 2", 0.5 / PI * 0.088_388_3, 0.0);
         let ratio = at(0.0, 4.0).mean / at(0.0, 2.0).mean;

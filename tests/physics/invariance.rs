@@ -34,7 +34,8 @@ fn any_number_of_threads_gives_the_same_bytes() {
             let one = on(1);
             assert!(one == on(2) && one == on(5), "{size} on {}", backend.name());
         }
-        let seed = |seed: u64| bytes(&room(backend, 4.0, 0.5, &["film.size=[64,64]"]).render(|s| s.seed = seed).0);
+        let seed =
+            |seed: u64| bytes(&room(backend, 4.0, 0.5, &["film.size=[64,64]"]).render(|s| s.seed = seed).0);
         assert!(seed(0) != seed(1));
     });
 }
@@ -76,9 +77,18 @@ fn the_scale_of_the_world_does_not_matter() {
             let toml = ROOM
                 .replace("EMIT", "4")
                 .replace("SKY", "0.5")
-                .replace("[2.1, 1.7, 4.0]", &format!("[{}, {}, {}]", 2.125 * factor, 1.75 * factor, 4.0 * factor))
-                .replace("scale = 0.25, translate = [0, 1.5, 0]", &format!("scale = {}, translate = [0, {}, 0]", 0.25 * factor, 1.5 * factor))
-                .replace("material = \"metal\"", &format!("material = \"metal\"\ntransform = {{ scale = {factor} }}"));
+                .replace(
+                    "[2.1, 1.7, 4.0]",
+                    &format!("[{}, {}, {}]", 2.125 * factor, 1.75 * factor, 4.0 * factor),
+                )
+                .replace(
+                    "scale = 0.25, translate = [0, 1.5, 0]",
+                    &format!("scale = {}, translate = [0, {}, 0]", 0.25 * factor, 1.5 * factor),
+                )
+                .replace(
+                    "material = \"metal\"",
+                    &format!("material = \"metal\"\ntransform = {{ scale = {factor} }}"),
+                );
             let files = [("torus.obj", torus(60, 40)), ("cube.obj", cube())];
             stage(&toml, &files, backend, &["film.size=[60,40]"]).render(|_| ()).0.rgb_pixels()
         };
