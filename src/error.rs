@@ -39,7 +39,14 @@ pub struct Error {
 impl Error {
     /// A failure of the work (exit code 1).
     pub fn new(message: impl Into<String>) -> Self {
-        Error { blame: Blame::Work, message: message.into(), file: None, line: None, column: None, advice: None }
+        Error {
+            blame: Blame::Work,
+            message: message.into(),
+            file: None,
+            line: None,
+            column: None,
+            advice: None,
+        }
     }
 
     /// Wrong usage (exit code 2).
@@ -208,8 +215,11 @@ impl Findings {
     /// Counts `count` further findings of a kind without keeping their text.
     pub fn count_more(&mut self, kind: &'static str, severity: Severity, count: u64) {
         if count > 0 {
-            let entry =
-                self.kinds.entry(kind).or_insert_with(|| KindOfFinding { count: 0, severity, kept: Vec::new() });
+            let entry = self.kinds.entry(kind).or_insert_with(|| KindOfFinding {
+                count: 0,
+                severity,
+                kept: Vec::new(),
+            });
             entry.count += count;
             entry.severity = entry.severity.max(severity);
         }

@@ -1,15 +1,70 @@
-//! drt.
+//! drt, a distribution ray tracer: one command turns a large OBJ mesh into a physically correct picture.
+//!
+//! This page is the architecture. The modules stand in the order of the data's way, which runs in one
+//! direction; nothing on the left knows anything on the right:
+//!
+//! ```text
+//! scene.toml / mesh.obj ──load──▶ Scene ──accel──▶ Intersector ──┐
+//!       (text)                 (plain data)     (Embree | BVH)    │
+//!                                                                 ▼
+//! image files ◀──output── Image ◀──film── pixels ◀──render── Integrator (waves of paths)
+//! ```
+//!
+//! `math, error ◀ shape ◀ {bsdf, light, camera, sampler, film, accel} ◀ scene ◀ load ◀ integrator ◀ render ◀ cli`
+//!
+//! | to find … | open |
+//! |---|---|
+//! | what happens at one path vertex | [`integrator`], `path.rs`: about 35 lines in the order of the rendering equation |
+//! | how paths are kept in flight | [`integrator::wave`]: lanes, chunks of 16, compaction; it knows no physics |
+//! | how a hit becomes a point with normals and an error bound | [`shape::Surface`] |
+//! | a BRDF, a light, a camera, a filter, a sampler | one file each in [`bsdf`], [`light`], [`camera`], [`film`], [`sampler`] |
+//! | who intersects, and who judges | [`accel`]: the trait, Embree, our BVH, the f64 judge |
+//! | how OBJ, MTL and scene files are read | [`load`] |
+//! | what a picture file holds | [`output`], which sees only [`film::Image`] |
+//!
+//! # Conventions
+//! Right-handed, y up, metres; linear Rec.709 RGB; radiance in W/(m²·sr). `wo` points to the viewer and `wi`
+//! to the light, both unit and away from the surface; `f_cos` is f·|cos θi|; `pdf` is per solid angle;
+//! `ng`/`ns` are the geometric and the shading normal; `beta` is a path's throughput. Pixel (0, 0) is the
+//! top left one.
+//!
+//! # Determinism
+//! Every random number is a function of (seed, pixel, sample, dimension); waves are fixed tiles × fixed blocks
+//! of samples of the whole picture; functions like sine are our own or the `libm` crate's. The same scene,
+//! settings, backend and instruction set give the same bytes on any number of threads.
+//!
+//! # The library
+//! The library never prints and never exits: progress, warnings and cancellation go through callbacks. A
+//! picture in five calls (see `examples/library.rs` for a whole program):
+//!
+//! ```no_run
+//! # use drt::{load, output, render};
+//! # fn main() -> drt::error::Result<()> {
+//! # let scene: drt::scene::Scene = unimplemented!();
+//! let settings = drt::scene::Settings::default();
+//! let accel = render::build(&scene, &settings, None, &render::Hooks::NONE)?;
+//! let rendering = render::render(&scene, &settings, accel.as_ref(), None, &render::Hooks::NONE)?;
+//! output::write("picture.png".as_ref(), &rendering.image, &output::Options::default())?;
+//! # Ok(())
+//! # }
+//! ```
+
 pub mod error;
 pub mod math;
-pub mod output;
 pub mod shape;
+
 pub mod accel;
 pub mod bsdf;
-pub mod light;
 pub mod camera;
 pub mod film;
-pub mod scene;
-pub mod load;
+pub mod light;
 pub mod sampler;
+
+pub mod scene;
+
+pub mod load;
+
 pub mod integrator;
 pub mod render;
+
+pub mod output;

@@ -2,7 +2,7 @@
 
 use crate::accel::{BuildOptions, Intersector};
 use crate::error::Result;
-use crate::film::{Film, Filter, Image, Tile};
+use crate::film::{Film, Image, Tile};
 use crate::integrator::wave::{Job, Wave};
 use crate::integrator::{Ao, Context, Integrator, Normals, Path};
 use crate::math::isa::{self, Isa, Kernel};
@@ -69,7 +69,12 @@ pub struct Rendering {
 ///
 /// # Errors
 /// Out of memory, a backend's own error, or [`crate::accel::cancelled`].
-pub fn build(scene: &Scene, settings: &Settings, isa: Option<Isa>, hooks: &Hooks<'_>) -> Result<Box<dyn Intersector>> {
+pub fn build(
+    scene: &Scene,
+    settings: &Settings,
+    isa: Option<Isa>,
+    hooks: &Hooks<'_>,
+) -> Result<Box<dyn Intersector>> {
     let samples = u64::from(settings.size[0]) * u64::from(settings.size[1]) * u64::from(settings.spp);
     let progress = |share: f64| {
         (hooks.progress)(Progress::Build(share));
@@ -233,12 +238,13 @@ impl RenderStats {
 /// No threads, paths, host, time or command line.
 fn settings_json(s: &Settings, accel: &dyn Intersector, scene: &Scene, samples: (u32, u32)) -> String {
     let samples_of_image = u64::from(s.size[0]) * u64::from(s.size[1]) * u64::from(s.spp);
-    let filter = match s.filter {
-        Filter::Box { radius } => json!({ "type": "box", "radius": radius }),
-        Filter::Gaussian { sigma, radius } => json!({ "type": "gaussian", "sigma": sigma, "radius": radius }),
-    };
+    let parameters = s.filter.parameters().into_iter().map(|(name, value)| (name.to_string(), json!(value)));
+    let kind = ("type".to_string(), json!(s.filter.name()));
+    let filter: serde_json::Map<String, serde_json::Value> = parameters.chain([kind]).collect();
     let integrator = match s.integrator {
-        IntegratorKind::Ao { distance } if distance.is_finite() => json!({ "type": "ao", "distance": distance }),
+        IntegratorKind::Ao { distance } if distance.is_finite() => {
+            json!({ "type": "ao", "distance": distance })
+        }
         other => json!(other.name()),
     };
     json!({

@@ -15,6 +15,7 @@ pub mod brute;
 pub mod bvh;
 #[cfg(feature = "embree")]
 pub mod embree;
+pub mod judge;
 
 use crate::error::{Error, Result, unknown_word_advice};
 use crate::math::Vec3;

@@ -1,7 +1,7 @@
 //! Metals: GGX microfacets that reflect with a constant or a measured reflectance.
 
 use super::fresnel::Reflectance;
-use super::{Sample, Scatter, ggx, reflect};
+use super::{Sample, Scatter, View, ggx, reflect};
 use crate::math::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::math::{Rgb, Vec3};
 
@@ -74,7 +74,8 @@ impl Conductor {
 
 impl Scatter for Conductor {
     #[inline(always)]
-    fn eval(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+    fn eval(&self, view: &View, wi: Vec3) -> (Rgb, f32) {
+        let wo = view.wo;
         if self.alpha < SMOOTH || wi.z <= 0.0 {
             return (Rgb::ZERO, 0.0);
         }
@@ -91,13 +92,14 @@ impl Scatter for Conductor {
     }
 
     #[inline(always)]
-    fn sample(&self, wo: Vec3, u: [f32; 2], lobe: f32) -> Option<Sample> {
+    fn sample(&self, view: &View, u: [f32; 2], lobe: f32) -> Option<Sample> {
+        let wo = view.wo;
         if self.alpha < SMOOTH {
             let weight = self.reflectance.at(wo.z);
             return Some(Sample { wi: reflect(wo), weight, pdf: f32::INFINITY });
         }
-        let single = !self.compensate
-            || lobe < self.single_share(ggx::energy().directional(wo.z, self.alpha));
+        let single =
+            !self.compensate || lobe < self.single_share(ggx::energy().directional(wo.z, self.alpha));
         let wi = if single {
             let m = ggx::sample_visible_normal(wo, self.alpha, u);
             m * (2.0 * wo.dot(m)) - wo
@@ -107,7 +109,7 @@ impl Scatter for Conductor {
         if wi.z <= 0.0 {
             return None;
         }
-        let (f_cos, pdf) = self.eval(wo, wi);
+        let (f_cos, pdf) = self.eval(view, wi);
         (pdf > 0.0 && pdf.is_finite()).then(|| Sample { wi, weight: f_cos / pdf, pdf })
     }
 

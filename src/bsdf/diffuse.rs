@@ -1,6 +1,6 @@
 //! Lambert's law: f = ρ/π.
 
-use super::{Sample, Scatter};
+use super::{Sample, Scatter, View};
 use crate::math::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::math::{Rgb, Vec3};
 use std::f32::consts::FRAC_1_PI;
@@ -14,13 +14,14 @@ pub struct Diffuse {
 
 impl Scatter for Diffuse {
     #[inline(always)]
-    fn eval(&self, _wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+    fn eval(&self, _view: &View, wi: Vec3) -> (Rgb, f32) {
+        // Zero behind the surface: light does not pass.
         let pdf = cosine_hemisphere_pdf(wi.z);
         (self.reflectance * pdf, pdf)
     }
 
     #[inline(always)]
-    fn sample(&self, _wo: Vec3, u: [f32; 2], _lobe: f32) -> Option<Sample> {
+    fn sample(&self, _view: &View, u: [f32; 2], _lobe: f32) -> Option<Sample> {
         let wi = cosine_hemisphere(u);
         // f·cos/pdf = (ρ/π)·cos/(cos/π): importance sampling (eq. 20) leaves ρ alone.
         Some(Sample { wi, weight: self.reflectance, pdf: wi.z * FRAC_1_PI })

@@ -19,6 +19,20 @@ pub fn conductor(cos: f64, eta: f64, k: f64) -> f64 {
     (0.5 * (rs + rp)).clamp(0.0, 1.0)
 }
 
+/// Reflectance of a smooth boundary at incidence `cos` ≥ 0, and the cosine on the other side (0 at total
+/// reflection); `eta` is the other side's index relative to this side's.
+#[inline(always)]
+pub fn dielectric(cos: f32, eta: f32) -> (f32, f32) {
+    let sin2_t = (1.0 - cos * cos).max(0.0) / (eta * eta);
+    if sin2_t >= 1.0 {
+        return (1.0, 0.0);
+    }
+    let cos_t = (1.0 - sin2_t).sqrt();
+    let parallel = (eta * cos - cos_t) / (eta * cos + cos_t);
+    let perpendicular = (cos - eta * cos_t) / (cos + eta * cos_t);
+    (0.5 * (parallel * parallel + perpendicular * perpendicular), cos_t)
+}
+
 /// How a conductor reflects at normal incidence and beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reflectance {
@@ -40,9 +54,7 @@ impl Reflectance {
         match self {
             Reflectance::Constant(r) => *r,
             Reflectance::Index { eta, k } => {
-                let channel = |i: usize| {
-                    conductor(f64::from(cos), f64::from(eta[i]), f64::from(k[i])) as f32
-                };
+                let channel = |i: usize| conductor(f64::from(cos), f64::from(eta[i]), f64::from(k[i])) as f32;
                 Rgb::new(channel(0), channel(1), channel(2))
             }
         }

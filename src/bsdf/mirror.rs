@@ -1,6 +1,6 @@
 //! A perfect mirror.
 
-use super::{Sample, Scatter, reflect};
+use super::{Sample, Scatter, View, reflect};
 use crate::math::{Rgb, Vec3};
 
 /// A perfect mirror with constant reflectance.
@@ -12,13 +12,13 @@ pub struct Mirror {
 
 impl Scatter for Mirror {
     #[inline(always)]
-    fn eval(&self, _wo: Vec3, _wi: Vec3) -> (Rgb, f32) {
+    fn eval(&self, _view: &View, _wi: Vec3) -> (Rgb, f32) {
         (Rgb::ZERO, 0.0)
     }
 
     #[inline(always)]
-    fn sample(&self, wo: Vec3, _u: [f32; 2], _lobe: f32) -> Option<Sample> {
-        Some(Sample { wi: reflect(wo), weight: self.reflectance, pdf: f32::INFINITY })
+    fn sample(&self, view: &View, _u: [f32; 2], _lobe: f32) -> Option<Sample> {
+        Some(Sample { wi: reflect(view.wo), weight: self.reflectance, pdf: f32::INFINITY })
     }
 
     #[inline(always)]

@@ -5,17 +5,21 @@
 //! |cos θi| (the notes' ρ·(n·d_i) of eq. 1); `pdf` is per solid angle, and infinite for a direction that
 //! only a delta can choose.
 //!
-//! A new model is one file, one variant of [`Material`]'s [`Bsdf`] and one line in [`Bsdf::NAMES`].
+//! A new model is one file, one variant of [`Bsdf`] and one line in [`Bsdf::NAMES`].
 
 pub mod conductor;
+pub mod dielectric;
 pub mod diffuse;
 pub mod fresnel;
 pub mod ggx;
 pub mod mirror;
+pub mod phong;
 
 pub use conductor::Conductor;
+pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use mirror::Mirror;
+pub use phong::Phong;
 
 use crate::math::{Rgb, Vec3};
 
@@ -30,13 +34,23 @@ pub struct Sample {
     pub pdf: f32,
 }
 
-/// What one vertex of a path asks of its material.
+/// Where a surface is seen from.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Unit direction to the viewer, `wo.z > 0`.
+    pub wo: Vec3,
+    /// True on the side that `ng` points to: outside a closed body.
+    pub outside: bool,
+}
+
+/// What one vertex of a path asks of its material. Directions `wi` with `wi.z < 0` lie behind the surface:
+/// light that passes through.
 pub trait Scatter {
-    /// (f_cos, pdf) of the non-delta part; `wo.z > 0`. Zero where no light passes.
-    fn eval(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32);
+    /// (f_cos, pdf) of the non-delta part. Zero where no light passes.
+    fn eval(&self, view: &View, wi: Vec3) -> (Rgb, f32);
 
     /// A direction by importance: `u` places it, `lobe` chooses between lobes. `None` absorbs.
-    fn sample(&self, wo: Vec3, u: [f32; 2], lobe: f32) -> Option<Sample>;
+    fn sample(&self, view: &View, u: [f32; 2], lobe: f32) -> Option<Sample>;
 
     /// True when [`Scatter::eval`] is zero everywhere, so that light samples would be wasted.
     fn is_delta(&self) -> bool;
@@ -49,8 +63,12 @@ pub enum Bsdf {
     Diffuse(Diffuse),
     /// A perfect mirror.
     Mirror(Mirror),
-    /// A rough metal.
+    /// A metal, smooth or rough.
     Conductor(Conductor),
+    /// Phong's cosine lobe over a diffuse base.
+    Phong(Phong),
+    /// Clear glass or water.
+    Dielectric(Dielectric),
 }
 
 impl Bsdf {
@@ -59,6 +77,8 @@ impl Bsdf {
         ("diffuse", "Lambert's law: the same radiance in all directions"),
         ("mirror", "a perfect mirror"),
         ("conductor", "a metal, smooth or rough (GGX)"),
+        ("phong", "a diffuse base with Phong's highlight"),
+        ("dielectric", "clear glass or water, smooth"),
     ];
 
     /// The model's place in [`Bsdf::NAMES`]; waves shade lanes of one kind together.
@@ -68,6 +88,8 @@ impl Bsdf {
             Bsdf::Diffuse(_) => 0,
             Bsdf::Mirror(_) => 1,
             Bsdf::Conductor(_) => 2,
+            Bsdf::Phong(_) => 3,
+            Bsdf::Dielectric(_) => 4,
         }
     }
 
@@ -77,6 +99,8 @@ impl Bsdf {
             Bsdf::Diffuse(m) => m.reflectance,
             Bsdf::Mirror(m) => m.reflectance,
             Bsdf::Conductor(m) => m.albedo(),
+            Bsdf::Phong(m) => m.albedo(),
+            Bsdf::Dielectric(m) => m.tint,
         }
     }
 
@@ -85,6 +109,7 @@ impl Bsdf {
         match self {
             Bsdf::Diffuse(_) | Bsdf::Mirror(_) => false,
             Bsdf::Conductor(m) => m.compensates(),
+            Bsdf::Phong(_) | Bsdf::Dielectric(_) => true,
         }
     }
 }

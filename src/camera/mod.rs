@@ -115,9 +115,10 @@ impl Camera {
         let forward = view.try_normalize().ok_or_else(|| {
             Error::new("camera: position and look_at are the same point").advise("move one of them")
         })?;
-        let right = forward.cross(spec.up).try_normalize().filter(|_| {
-            forward.cross(spec.up).length() > 1e-6 * spec.up.length()
-        });
+        let right = forward
+            .cross(spec.up)
+            .try_normalize()
+            .filter(|_| forward.cross(spec.up).length() > 1e-6 * spec.up.length());
         let right = right.ok_or_else(|| {
             Error::new("camera: up is parallel to the view").advise("choose another up, e.g. [0, 0, 1]")
         })?;

@@ -31,7 +31,9 @@ pub fn line_to_stderr(text: &str) {
 pub fn write_stdout(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::io("write", Path::new("standard output"), &e)),
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::io("write", Path::new("standard output"), &e))
+        }
         _ => Ok(()),
     }
 }

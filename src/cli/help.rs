@@ -12,7 +12,8 @@ use drt::scene::{IntegratorKind, LightSampling, SamplerKind};
 use std::fmt::Write;
 
 /// Below the short help.
-pub const SHORT: &str = "`drt --help` says more, with examples and every name that a flag or scene key may take.";
+pub const SHORT: &str =
+    "`drt --help` says more, with examples and every name that a flag or scene key may take.";
 
 const EXAMPLES: &str = "\
 EXAMPLES

@@ -45,7 +45,11 @@ fn memory_left() -> Option<(u64, &'static str)> {
     let address_space = rustix::process::getrlimit(rustix::process::Resource::As).current;
     let process = address_space.map(|limit| limit.saturating_sub(kilobytes(&status, "VmSize:").unwrap_or(0)));
     let machine = fs::read_to_string("/proc/meminfo").ok().and_then(|m| kilobytes(&m, "MemAvailable:"));
-    let limits = [(process, "limit of the process"), (group_left(), "limit of the control group"), (machine, "free memory")];
+    let limits = [
+        (process, "limit of the process"),
+        (group_left(), "limit of the control group"),
+        (machine, "free memory"),
+    ];
     limits.into_iter().filter_map(|(left, name)| left.map(|left| (left, name))).min_by_key(|(left, _)| *left)
 }
 
@@ -57,7 +61,9 @@ fn group_left() -> Option<u64> {
     let limit: u64 = read("memory.max")?.trim().parse().ok()?;
     let used: u64 = read("memory.current")?.trim().parse().ok()?;
     let pages = read("memory.stat")
-        .and_then(|s| s.lines().find_map(|line| line.strip_prefix("file ")).and_then(|n| n.trim().parse().ok()))
+        .and_then(|s| {
+            s.lines().find_map(|line| line.strip_prefix("file ")).and_then(|n| n.trim().parse().ok())
+        })
         .unwrap_or(0);
     Some(limit.saturating_sub(used.saturating_sub(pages)))
 }

@@ -30,7 +30,9 @@ pub fn check(outputs: &[PathBuf], stats: Option<&Path>) -> Result<()> {
     let all: Vec<&Path> = outputs.iter().map(PathBuf::as_path).chain(stats).collect();
     for (i, path) in all.iter().enumerate() {
         if all.iter().skip(i + 1).any(|other| is_same(path, other)) {
-            return Err(Error::usage("named twice as an output").at(*path).advise("give each output a name of its own"));
+            return Err(Error::usage("named twice as an output")
+                .at(*path)
+                .advise("give each output a name of its own"));
         }
     }
     Ok(())

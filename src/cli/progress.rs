@@ -30,7 +30,8 @@ impl Style {
     pub fn from_name(word: &str) -> Result<Style> {
         Self::TABLE.iter().find(|row| row.0 == word).map(|row| row.1).ok_or_else(|| {
             let known: Vec<&str> = Self::TABLE.iter().map(|row| row.0).collect();
-            Error::usage(format!("--progress: unknown style \"{word}\"")).advise(unknown_word_advice(word, &known))
+            Error::usage(format!("--progress: unknown style \"{word}\""))
+                .advise(unknown_word_advice(word, &known))
         })
     }
 }

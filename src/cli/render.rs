@@ -90,9 +90,14 @@ impl Job {
         machine::check_memory(needed)?;
 
         let phase = Phase::begin(self.style, "build");
-        let progress = |p| if let Progress::Build(share) = p { phase.show_share(share) };
+        let progress = |p| {
+            if let Progress::Build(share) = p {
+                phase.show_share(share)
+            }
+        };
         let hooks = Hooks { progress: &progress, stop: &|| signals.stop() };
-        let accel = render::build(scene, settings, self.isa, &hooks).map_err(|e| ended_early("building", e))?;
+        let accel =
+            render::build(scene, settings, self.isa, &hooks).map_err(|e| ended_early("building", e))?;
         drop(phase);
         let seconds = clock.end("build");
         console.detail(&format!(
@@ -104,7 +109,11 @@ impl Job {
         ));
 
         let phase = Phase::begin(self.style, "render");
-        let progress = |p| if let Progress::Render(done, total) = p { phase.show(done, total) };
+        let progress = |p| {
+            if let Progress::Render(done, total) = p {
+                phase.show(done, total)
+            }
+        };
         let hooks = Hooks { progress: &progress, stop: &|| signals.stop() };
         let rendering = render::render(scene, settings, &*accel, self.isa, &hooks)?;
         drop(phase);
@@ -114,7 +123,11 @@ impl Job {
         if rendering.stats.camera_rays == 0 {
             // Not one sample: an empty picture would be a lie.
             let nothing = Error::new("nothing was rendered");
-            return if rendering.complete { Err(nothing.into()) } else { Err(ended_early("rendering", nothing)) };
+            return if rendering.complete {
+                Err(nothing.into())
+            } else {
+                Err(ended_early("rendering", nothing))
+            };
         }
 
         for path in &self.outputs {
@@ -151,7 +164,11 @@ impl Job {
             load::Options {
                 overrides: args.overrides()?,
                 up: args.up.as_deref().map(|word| at_flag("--up", Up::from_name(word))).transpose()?,
-                view: args.view.as_deref().map(|word| at_flag("--view", View::from_name(word))).transpose()?,
+                view: args
+                    .view
+                    .as_deref()
+                    .map(|word| at_flag("--view", View::from_name(word)))
+                    .transpose()?,
                 ground: args.ground,
                 sky: args.sky.as_deref().map(|word| at_flag("--sky", Sky::from_name(word))).transpose()?,
                 progress: &progress,
@@ -171,7 +188,13 @@ impl Job {
         Ok(())
     }
 
-    fn conclude(&self, rendering: &Rendering, spp: u32, signals: &Signals, clock: &Clock) -> Result<(), Failure> {
+    fn conclude(
+        &self,
+        rendering: &Rendering,
+        spp: u32,
+        signals: &Signals,
+        clock: &Clock,
+    ) -> Result<(), Failure> {
         let names: Vec<String> = self.outputs.iter().map(|path| show_path(path)).collect();
         let names = names.join(", ");
         if rendering.complete {
@@ -181,7 +204,8 @@ impl Job {
         let (signal, name) = signals.received().unwrap_or((signal_hook::consts::SIGINT, "SIGINT"));
         let pixels = u64::from(rendering.image.width) * u64::from(rendering.image.height);
         let done = rendering.stats.camera_rays as f64 / pixels.max(1) as f64;
-        let message = format!("stopped by {name} after about {done:.1} of {spp} samples a pixel; those are in {names}");
+        let message =
+            format!("stopped by {name} after about {done:.1} of {spp} samples a pixel; those are in {names}");
         Err(Failure::Stopped { signal, message })
     }
 }
@@ -203,7 +227,9 @@ fn at_flag<T>(flag: &str, result: Result<T>) -> Result<T> {
 
 fn threads(word: &str) -> Result<usize> {
     let number = word.parse().ok().filter(|n| (1..=1024).contains(n));
-    number.ok_or_else(|| Error::usage(format!("--threads: must be a whole number from 1 to 1024, not \"{word}\"")))
+    number.ok_or_else(|| {
+        Error::usage(format!("--threads: must be a whole number from 1 to 1024, not \"{word}\""))
+    })
 }
 
 fn exposure(word: &str) -> Result<f32> {
@@ -214,6 +240,7 @@ fn exposure(word: &str) -> Result<f32> {
 fn tone_map(word: &str) -> Result<ToneMap> {
     ToneMap::from_name(word).ok_or_else(|| {
         let known = ToneMap::NAMES.map(|row| row.0);
-        Error::usage(format!("--tone-map: unknown curve \"{word}\"")).advise(unknown_word_advice(word, &known))
+        Error::usage(format!("--tone-map: unknown curve \"{word}\""))
+            .advise(unknown_word_advice(word, &known))
     })
 }

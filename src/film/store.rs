@@ -68,7 +68,17 @@ pub struct FirstHit {
 #[derive(Clone, Copy, Debug)]
 struct Pixel {
     radiance: [f64; 3],
+    weight: f64,
     samples: u32,
+}
+
+impl Pixel {
+    /// What samples are divided by: the sum of their weights, which keeps a constant picture exact under a
+    /// filter with negative lobes; or their number where too few samples make that sum small.
+    fn divisor(&self) -> f64 {
+        let samples = f64::from(self.samples);
+        if self.weight > 0.25 * samples { self.weight } else { samples }
+    }
 }
 
 /// Layer sums of one pixel.
@@ -88,13 +98,16 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// Adds a sample's radiance to the pixel of that index in the tile (row by row).
+    /// Adds a sample's radiance with the filter's weight (mean 1) to the pixel of that index in the tile
+    /// (row by row).
     #[inline]
-    pub fn add(&mut self, pixel: usize, radiance: Rgb) {
+    pub fn add(&mut self, pixel: usize, radiance: Rgb, weight: f32) {
         let p = &mut self.pixels[pixel];
-        p.radiance[0] += f64::from(radiance.x);
-        p.radiance[1] += f64::from(radiance.y);
-        p.radiance[2] += f64::from(radiance.z);
+        let weight = f64::from(weight);
+        p.radiance[0] += f64::from(radiance.x) * weight;
+        p.radiance[1] += f64::from(radiance.y) * weight;
+        p.radiance[2] += f64::from(radiance.z) * weight;
+        p.weight += weight;
         p.samples += 1;
     }
 
@@ -141,7 +154,7 @@ impl Film {
         for _ in 0..count {
             let mut tile = Tile { pixels: Vec::new(), layers: Vec::new() };
             tile.pixels.try_reserve_exact(pixels).map_err(|_| none())?;
-            tile.pixels.resize(pixels, Pixel { radiance: [0.0; 3], samples: 0 });
+            tile.pixels.resize(pixels, Pixel { radiance: [0.0; 3], weight: 0.0, samples: 0 });
             if layers {
                 tile.layers.try_reserve_exact(pixels).map_err(|_| none())?;
                 tile.layers.resize(pixels, Layers { hits: 0, sums: [0.0; 12], ids: [u32::MAX; 3] });
@@ -187,7 +200,7 @@ impl Film {
     pub fn develop(&self, crop: [u32; 4], aovs: &[Aov], origin: DVec3, settings: String) -> Image {
         let colours = self.collect(crop, |tile, i| {
             let p = &tile.pixels[i];
-            p.radiance.map(|sum| if p.samples > 0 { (sum / f64::from(p.samples)) as f32 } else { 0.0 })
+            p.radiance.map(|sum| if p.samples > 0 { (sum / p.divisor()) as f32 } else { 0.0 })
         });
         let mut image = Image::from_rgb(crop[2], crop[3], &colours, settings);
         image.offset = [crop[0], crop[1]];

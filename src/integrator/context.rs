@@ -110,11 +110,7 @@ impl Dimensions {
 
     fn new(lens: bool, lobes: bool, lights: bool) -> Dimensions {
         let lobes = u32::from(lobes);
-        Dimensions {
-            first: if lens { 4 } else { 2 },
-            stride: 2 + lobes + if lights { 3 } else { 0 },
-            lobes,
-        }
+        Dimensions { first: if lens { 4 } else { 2 }, stride: 2 + lobes + if lights { 3 } else { 0 }, lobes }
     }
 
     /// The dimensions of the vertex that is reached after `depth` scattering events.

@@ -19,7 +19,7 @@ pub use context::{Context, Dimensions};
 pub use normals::Normals;
 pub use path::Path;
 
-use crate::bsdf::Scatter;
+use crate::bsdf::{Scatter, View};
 use crate::math::ray::Ray;
 use crate::math::{Frame, Rgb, Vec3};
 use crate::sampler::Key;
@@ -34,14 +34,25 @@ pub struct Vertex {
     pub frame: Frame,
     /// Unit direction back along the ray.
     pub wo: Vec3,
-    /// The same in `frame`.
-    pub wo_local: Vec3,
+    /// The same in `frame`, and the side.
+    pub view: View,
     /// Length of the ray that led here.
     pub t: f32,
     /// Material id.
     pub material: u32,
     /// What led here.
     pub arrival: Arrival,
+}
+
+impl Vertex {
+    /// True when `wi` is in front of the true surface where `local`, the same direction in the shading frame,
+    /// is in front of the shading normal, and behind it where that is behind. Where the two disagree, light
+    /// would leak through the surface or out of it, so none passes.
+    #[inline(always)]
+    pub fn on_the_same_side_as(&self, local: Vec3, wi: Vec3) -> bool {
+        let front = self.surface.ng.dot(wi) * self.surface.ng.dot(self.wo);
+        front * local.z > 0.0
+    }
 }
 
 /// How a ray came about.

@@ -41,10 +41,10 @@ impl Integrator for Path {
         // The hemisphere integral of eq. (1) by importance sampling, eq. (20), with the BSDF's density.
         let u = cx.sampler.d2(key, dimensions.bsdf);
         let lobe = if cx.has_lobes { cx.sampler.d1(key, dimensions.lobe) } else { 0.0 };
-        let Some(sample) = bsdf.sample(v.wo_local, u, lobe) else { return };
+        let Some(sample) = bsdf.sample(&v.view, u, lobe) else { return };
         let wi = v.frame.to_world(sample.wi);
-        if v.surface.ng.dot(wi) * v.surface.ng.dot(v.wo) <= 0.0 {
-            return; // the shading normal's hemisphere reaches below the surface; no light passes there
+        if !v.on_the_same_side_as(sample.wi, wi) {
+            return;
         }
         let mut beta = beta * sample.weight;
         if self.roulette && depth + 1 >= ROULETTE_FROM {
@@ -96,11 +96,9 @@ impl Path {
         let choice = cx.sampler.bits(v.arrival.key, dimensions.choice);
         let u = cx.sampler.d2(v.arrival.key, dimensions.light);
         let Some(light) = cx.lights.sample(&v.surface, choice, u) else { return };
-        if v.surface.ng.dot(light.wi) * v.surface.ng.dot(v.wo) <= 0.0 {
-            return;
-        }
-        let (f_cos, bsdf_pdf) = bsdf.eval(v.wo_local, v.frame.to_local(light.wi));
-        if f_cos == Rgb::ZERO {
+        let wi = v.frame.to_local(light.wi);
+        let (f_cos, bsdf_pdf) = bsdf.eval(&v.view, wi);
+        if f_cos == Rgb::ZERO || !v.on_the_same_side_as(wi, light.wi) {
             return;
         }
         let weight = match self.lights {

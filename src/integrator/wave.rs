@@ -7,7 +7,7 @@
 
 use super::{Arrival, Context, Integrator, Sink, Vertex};
 use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, Rays};
-use crate::bsdf::{Bsdf, Scatter};
+use crate::bsdf::{Bsdf, Scatter, View};
 use crate::film::{Film, FirstHit, Tile};
 use crate::math::ray::Ray;
 use crate::math::{Rgb, Vec3};
@@ -74,6 +74,7 @@ impl Lanes {
 struct Slot {
     key: Key,
     pixel: u32,
+    weight: f32,
     radiance: Rgb,
 }
 
@@ -184,9 +185,9 @@ impl Wave {
             }
             for index in job.samples.clone() {
                 let key = cx.sampler.key(y * cx.size[0] + x, index);
-                let ray = camera_ray(cx, x, y, key);
+                let (ray, weight) = camera_ray(cx, x, y, key);
                 let slot = self.pushed.slots.len() as u32;
-                self.pushed.slots.push(Slot { key, pixel, radiance: Rgb::ZERO });
+                self.pushed.slots.push(Slot { key, pixel, weight, radiance: Rgb::ZERO });
                 self.current.push(ray, Rgb::ONE, f32::INFINITY, slot);
             }
         }
@@ -250,6 +251,8 @@ impl Wave {
         shade_kind!(1, Bsdf::Diffuse);
         shade_kind!(2, Bsdf::Mirror);
         shade_kind!(3, Bsdf::Conductor);
+        shade_kind!(4, Bsdf::Phong);
+        shade_kind!(5, Bsdf::Dielectric);
         self.groups = groups;
     }
 
@@ -295,8 +298,8 @@ impl Wave {
         let wo = -self.current.rays[chunk].d(lane);
         let frame = surface.frame_towards(wo);
         let material = mesh.materials.get(triangle as usize);
-        let wo_local = frame.to_local(wo);
-        (Vertex { surface, frame, wo, wo_local, t: hits.t[lane], material, arrival }, [id, triangle, material])
+        let view = View { wo: frame.to_local(wo), outside: surface.ng.dot(wo) > 0.0 };
+        (Vertex { surface, frame, wo, view, t: hits.t[lane], material, arrival }, [id, triangle, material])
     }
 
     /// Traces the shadow rays; what is free reaches its sample.
@@ -324,21 +327,23 @@ impl Wave {
             let c = slot.radiance;
             let sound = c.is_finite() && c.min_element() >= 0.0;
             self.stats.invalid_samples += u64::from(!sound);
-            tile.add(slot.pixel as usize, if sound { c } else { Rgb::ZERO });
+            tile.add(slot.pixel as usize, if sound { c } else { Rgb::ZERO }, slot.weight);
         }
     }
 }
 
-/// The ray through a point of pixel (`x`, `y`) that the filter chose.
+/// The ray through a point of pixel (`x`, `y`) that the filter chose, and its weight.
 #[inline(always)]
-fn camera_ray(cx: &Context<'_>, x: u32, y: u32, key: Key) -> Ray {
+fn camera_ray(cx: &Context<'_>, x: u32, y: u32, key: Key) -> (Ray, f32) {
     let [u, v] = cx.sampler.d2(key, super::Dimensions::PIXEL);
     let (u, v) = (cx.filter.offset(u), cx.filter.offset(v));
+    let weight = if cx.filter.is_signed() { cx.filter.weight(u) * cx.filter.weight(v) } else { 1.0 };
     let lens = if cx.camera.has_lens() { cx.sampler.d2(key, super::Dimensions::LENS) } else { [0.5; 2] };
     // In f64: at 100,000 pixels a side f32 leaves 1/128 of a pixel.
-    let place = |i: u32, offset: f32, n: u32| ((f64::from(i) + 0.5 + f64::from(offset)) / f64::from(n)) as f32;
+    let place =
+        |i: u32, offset: f32, n: u32| ((f64::from(i) + 0.5 + f64::from(offset)) / f64::from(n)) as f32;
     let ray = cx.camera.ray(place(x, u, cx.size[0]), place(y, v, cx.size[1]), lens);
-    Ray { o: ray.o, d: ray.d, tmax: f32::INFINITY }
+    (Ray { o: ray.o, d: ray.d, tmax: f32::INFINITY }, weight)
 }
 
 fn first_hit(cx: &Context<'_>, v: &Vertex, ids: [u32; 3]) -> FirstHit {

@@ -97,15 +97,17 @@ impl Environment {
     pub fn scaled(self, scale: f32) -> Environment {
         match self {
             Environment::Constant(radiance) => Environment::Constant(radiance * scale),
-            Environment::Studio { below, horizon, zenith, up, direction, key, sharpness } => Environment::Studio {
-                below: below * scale,
-                horizon: horizon * scale,
-                zenith: zenith * scale,
-                up,
-                direction,
-                key: key * scale,
-                sharpness,
-            },
+            Environment::Studio { below, horizon, zenith, up, direction, key, sharpness } => {
+                Environment::Studio {
+                    below: below * scale,
+                    horizon: horizon * scale,
+                    zenith: zenith * scale,
+                    up,
+                    direction,
+                    key: key * scale,
+                    sharpness,
+                }
+            }
         }
     }
 }

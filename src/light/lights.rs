@@ -63,14 +63,23 @@ impl Lights {
     /// Collects the emissive triangles of `meshes` (`emissions` by material id) and the other lights.
     /// `sample_all`: give samples also to an environment that BSDF sampling finds as well.
     /// `radius`: of a sphere around the scene, in metres, to weigh the environment against the rest.
-    pub fn new(meshes: &[Arc<Mesh>], emissions: Vec<Emission>, others: &[Light], radius: f32, sample_all: bool) -> Lights {
+    pub fn new(
+        meshes: &[Arc<Mesh>],
+        emissions: Vec<Emission>,
+        others: &[Light],
+        radius: f32,
+        sample_all: bool,
+    ) -> Lights {
         let mut lights = Lights {
             meshes: meshes.to_vec(),
             environment: others.iter().find_map(|l| match l {
                 Light::Environment(e) => Some(*e),
                 Light::Point(_) => None,
             }),
-            points: others.iter().filter_map(|l| if let Light::Point(p) = l { Some(*p) } else { None }).collect(),
+            points: others
+                .iter()
+                .filter_map(|l| if let Light::Point(p) = l { Some(*p) } else { None })
+                .collect(),
             density: vec![0.0; emissions.len()],
             emissions,
             entries: Vec::new(),
@@ -111,9 +120,9 @@ impl Lights {
     }
 
     fn power_per_area(&self, material: u32) -> f64 {
-        self.emissions.get(material as usize).map_or(0.0, |e| {
-            PI * f64::from(luminance(e.radiance)) * if e.two_sided { 2.0 } else { 1.0 }
-        })
+        self.emissions
+            .get(material as usize)
+            .map_or(0.0, |e| PI * f64::from(luminance(e.radiance)) * if e.two_sided { 2.0 } else { 1.0 })
     }
 
     fn weigh(&mut self, powers: &[f64]) {

@@ -70,7 +70,8 @@ pub(super) fn assemble(plan: Plan<'_>, input: &Path, options: &Options<'_>) -> R
             file: input.to_path_buf(),
             line: 0,
             kind: "no-light",
-            message: "no light in the scene, so the picture is black; add a [[light]] or --sky studio".to_string(),
+            message: "no light in the scene, so the picture is black; add a [[light]] or --sky studio"
+                .to_string(),
             severity: Severity::Note,
         });
     }
@@ -137,7 +138,13 @@ struct Palette<'p> {
 
 impl<'p> Palette<'p> {
     fn new(patches: &'p BTreeMap<String, MaterialPatch<'p>>, files: usize) -> Self {
-        Palette { patches, used: Vec::new(), specs: Vec::new(), of_file: vec![None; files], named: BTreeMap::new() }
+        Palette {
+            patches,
+            used: Vec::new(),
+            specs: Vec::new(),
+            of_file: vec![None; files],
+            named: BTreeMap::new(),
+        }
     }
 
     fn add(&mut self, spec: MaterialSpec) -> u32 {
@@ -249,7 +256,8 @@ fn place_all(
         let is_last = later.iter().all(|p| p.file != placement.file || *p == *placement);
         let Some(slot) = objects.get_mut(placement.file) else { continue };
         let taken = if is_last { slot.take().map(|o| (o.mesh, o.origin)) } else { None };
-        let Some((mut mesh, from)) = taken.or_else(|| slot.as_ref().map(|o| (o.mesh.clone(), o.origin))) else {
+        let Some((mut mesh, from)) = taken.or_else(|| slot.as_ref().map(|o| (o.mesh.clone(), o.origin)))
+        else {
             return Err(Error::new("a mesh was placed after its last use"));
         };
         match &placement.choice {
@@ -265,7 +273,9 @@ fn place_all(
 
 fn place_light(light: &LightPlan, origin: DVec3, up: DVec3, forward: DVec3) -> Option<Light> {
     match light {
-        LightPlan::Constant(radiance) => Some(Light::Environment(crate::light::Environment::Constant(*radiance))),
+        LightPlan::Constant(radiance) => {
+            Some(Light::Environment(crate::light::Environment::Constant(*radiance)))
+        }
         LightPlan::Sky { sky, up: own, scale } => {
             let environment = sky.environment(own.unwrap_or(up), forward)?;
             Some(Light::Environment(environment.scaled(*scale)))

@@ -102,7 +102,11 @@ impl View {
         ("top", "from above", View { azimuth: 0.0, elevation: 90.0 }),
         ("bottom", "from below", View { azimuth: 0.0, elevation: -90.0 }),
         // atan(1/√2): all three axes are shortened alike.
-        ("iso", "isometric: all three axes shortened alike", View { azimuth: 45.0, elevation: 35.264_389_682_754_654 }),
+        (
+            "iso",
+            "isometric: all three axes shortened alike",
+            View { azimuth: 45.0, elevation: 35.264_389_682_754_654 },
+        ),
     ];
 
     /// The view of that name.
@@ -155,8 +159,10 @@ impl Sky {
     pub fn from_name(word: &str) -> Result<Sky> {
         let is_picture = [".hdr", ".exr"].iter().any(|e| word.to_lowercase().ends_with(e));
         if is_picture && lookup("sky", word, Self::TABLE).is_err() {
-            return Err(Error::usage(format!("the sky \"{word}\": pictures are not supported by this version"))
-                .advise(unknown_word_advice(word, &Self::TABLE.iter().map(|row| row.0).collect::<Vec<_>>())));
+            return Err(Error::usage(format!(
+                "the sky \"{word}\": pictures are not supported by this version"
+            ))
+            .advise(unknown_word_advice(word, &Self::TABLE.iter().map(|row| row.0).collect::<Vec<_>>())));
         }
         lookup("sky", word, Self::TABLE)
     }
@@ -245,7 +251,9 @@ mod tests {
 
     #[test]
     fn the_key_light_comes_from_the_upper_left_front_of_the_picture() {
-        for (up, forward) in [(DVec3::Y, -DVec3::Z), (DVec3::Z, DVec3::Y), (DVec3::Y, DVec3::new(1.0, -0.4, 0.3))] {
+        for (up, forward) in
+            [(DVec3::Y, -DVec3::Z), (DVec3::Z, DVec3::Y), (DVec3::Y, DVec3::new(1.0, -0.4, 0.3))]
+        {
             let key = key_direction(up, forward).as_dvec3();
             let right = forward.cross(up);
             assert!(key.dot(up) > 0.3 && key.dot(forward) < 0.0 && key.dot(right) < -0.1, "{up} {forward}");

@@ -149,7 +149,13 @@ impl CameraPlan {
     }
 
     /// The window of an orthographic camera that stands already.
-    fn height_of_all(&self, spec: &CameraSpec, size: [u32; 2], meshes: &[Arc<Mesh>], origin: DVec3) -> Window {
+    fn height_of_all(
+        &self,
+        spec: &CameraSpec,
+        size: [u32; 2],
+        meshes: &[Arc<Mesh>],
+        origin: DVec3,
+    ) -> Window {
         let forward = (spec.look_at - spec.position).normalize_or(-DVec3::Z);
         let right = forward.cross(spec.up).normalize_or(DVec3::X);
         let up = right.cross(forward);
@@ -174,7 +180,13 @@ fn middle(meshes: &[Arc<Mesh>]) -> Option<DVec3> {
 
 /// Places the camera with the given axes (right, up, forward) so that all corners are in the window but for
 /// the margin, as near as can be.
-fn fit(spec: &mut CameraSpec, window: Option<Window>, axes: [DVec3; 3], size: [u32; 2], meshes: &[Arc<Mesh>]) {
+fn fit(
+    spec: &mut CameraSpec,
+    window: Option<Window>,
+    axes: [DVec3; 3],
+    size: [u32; 2],
+    meshes: &[Arc<Mesh>],
+) {
     let [right, up, forward] = axes;
     let plain = |p: DVec3| [p.dot(right), p.dot(up), p.dot(forward), 0.0, 0.0, 0.0];
     let e = Extents::of(meshes, plain);

@@ -93,7 +93,9 @@ pub fn scene(input: &Path, mut options: Options<'_>) -> Result<Loaded> {
         mesh.file = input.to_path_buf();
     }
     if plan.meshes.is_empty() && !plan.lights.iter().any(|light| light.is_environment()) {
-        return Err(Error::new("the scene has no mesh").at(input).advise("add a [[mesh]] with file = \"….obj\""));
+        return Err(Error::new("the scene has no mesh")
+            .at(input)
+            .advise("add a [[mesh]] with file = \"….obj\""));
     }
     assemble::apply_look(&mut plan, is_bare, &options)?;
     assemble::assemble(plan, input, &options)

@@ -182,7 +182,8 @@ mod tests {
 
     /// Normals of every face point away from the middle, and file normals stay normal to their faces.
     fn check_outside(mesh: &Mesh) {
-        let middle = mesh.positions.iter().map(|p| Vec3::from(*p)).sum::<Vec3>() / mesh.positions.len() as f32;
+        let middle =
+            mesh.positions.iter().map(|p| Vec3::from(*p)).sum::<Vec3>() / mesh.positions.len() as f32;
         for t in 0..mesh.indices.len() {
             let [a, b, c] = mesh.triangle(t);
             let ng = geometric_normal(a, b, c);
@@ -200,7 +201,8 @@ mod tests {
         let shear = DMat4::from_cols_array(&[
             1.0, 0.3, 0.0, 0.0, 0.7, 1.0, 0.0, 0.0, 0.0, -0.4, 1.0, 0.0, 5.0, 6.0, 7.0, 1.0,
         ]);
-        for matrix in [DMat4::IDENTITY, mirror, shear, shear * mirror, DMat4::from_scale(DVec3::splat(-1.0))] {
+        for matrix in [DMat4::IDENTITY, mirror, shear, shear * mirror, DMat4::from_scale(DVec3::splat(-1.0))]
+        {
             let transform = Transform::new(matrix).unwrap();
             let mesh = place(tetrahedron(), DVec3::ZERO, DVec3::ZERO, &transform, NormalsMode::File).unwrap();
             check_outside(&mesh);

@@ -91,7 +91,8 @@ mod tests {
         let n = 1usize << 20;
         let weights: Vec<f64> = (0..n).map(|i| if i % 2 == 0 { 1.0 } else { 3.0 }).collect();
         let table = AliasTable::new(&weights);
-        let odd = (0..1u32 << 20).filter(|i| table.sample(i.wrapping_mul(0x9e37_79b1)).unwrap() % 2 == 1).count();
+        let odd =
+            (0..1u32 << 20).filter(|i| table.sample(i.wrapping_mul(0x9e37_79b1)).unwrap() % 2 == 1).count();
         assert!((odd as f64 / f64::from(1u32 << 20) - 0.75).abs() < 2e-3);
     }
 }

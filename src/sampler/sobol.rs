@@ -30,9 +30,8 @@ impl Sobol {
         static TABLES: OnceLock<Sobol> = OnceLock::new();
         TABLES.get_or_init(|| {
             let columns: Vec<[u32; 32]> = (0..DIMENSIONS).map(direction_numbers).collect();
-            let sum = |c: &[u32; 32], i: u32| {
-                (0..32).filter(|k| i >> k & 1 == 1).fold(0, |x, k| x ^ c[k as usize])
-            };
+            let sum =
+                |c: &[u32; 32], i: u32| (0..32).filter(|k| i >> k & 1 == 1).fold(0, |x, k| x ^ c[k as usize]);
             let table = |c: &[u32; 32]| {
                 [std::array::from_fn(|i| sum(c, i as u32)), std::array::from_fn(|i| sum(c, 16 * i as u32))]
             };

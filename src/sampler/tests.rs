@@ -8,7 +8,8 @@ fn all() -> impl Iterator<Item = (&'static str, SamplerKind)> {
 fn rms(kind: SamplerKind, n: u32, dimension: u32, exact: f64, f: impl Fn([f32; 2]) -> f64) -> f64 {
     let sampler = Sampler::new(kind, 7, n);
     let error = |pixel: u32| {
-        let mean = (0..n).map(|i| f(sampler.d2(sampler.key(pixel, i), dimension))).sum::<f64>() / f64::from(n);
+        let mean =
+            (0..n).map(|i| f(sampler.d2(sampler.key(pixel, i), dimension))).sum::<f64>() / f64::from(n);
         (mean - exact).powi(2)
     };
     ((0..200).map(error).sum::<f64>() / 200.0).sqrt()
@@ -95,7 +96,8 @@ fn strata_are_all_used_once() {
         let sampler = Sampler::new(SamplerKind::Stratified, 1, spp);
         let mut seen = vec![false; spp as usize];
         for i in 0..spp {
-            seen[(f64::from(sampler.bits(sampler.key(9, i), 4)) / 4_294_967_296.0 * f64::from(spp)) as usize] = true;
+            seen[(f64::from(sampler.bits(sampler.key(9, i), 4)) / 4_294_967_296.0 * f64::from(spp))
+                as usize] = true;
         }
         assert!(seen.iter().all(|s| *s), "spp {spp}");
     }
@@ -109,7 +111,13 @@ fn seeds_pixels_indices_and_dimensions_all_matter() {
             s.bits(s.key(pixel, index), dimension)
         };
         let base = draw(1, 2, 3, 4);
-        for other in [draw(2, 2, 3, 4), draw(1 << 32 | 1, 2, 3, 4), draw(1, 3, 3, 4), draw(1, 2, 4, 4), draw(1, 2, 3, 5)] {
+        for other in [
+            draw(2, 2, 3, 4),
+            draw(1 << 32 | 1, 2, 3, 4),
+            draw(1, 3, 3, 4),
+            draw(1, 2, 4, 4),
+            draw(1, 2, 3, 5),
+        ] {
             assert_ne!(base, other, "{name}");
         }
         assert_eq!(base, draw(1, 2, 3, 4), "{name}");

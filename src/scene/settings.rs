@@ -71,7 +71,11 @@ impl IntegratorKind {
     pub const TABLE: &'static [(&'static str, &'static str, IntegratorKind)] = &[
         ("path", "path tracing: everything that light does", IntegratorKind::Path),
         ("direct", "emitted and direct light only", IntegratorKind::Direct),
-        ("ao", "ambient occlusion: the free share of the hemisphere", IntegratorKind::Ao { distance: f32::INFINITY }),
+        (
+            "ao",
+            "ambient occlusion: the free share of the hemisphere",
+            IntegratorKind::Ao { distance: f32::INFINITY },
+        ),
         ("normals", "shading normals as colours", IntegratorKind::Normals),
     ];
 
@@ -150,7 +154,9 @@ impl BuildQuality {
     pub fn resolve(self, triangles: u64, samples: u64) -> Quality {
         match self {
             BuildQuality::Fixed(quality) => quality,
-            BuildQuality::Auto if triangles > 100_000 && samples < 20_000_000.min(6 * triangles) => Quality::Low,
+            BuildQuality::Auto if triangles > 100_000 && samples < 20_000_000.min(6 * triangles) => {
+                Quality::Low
+            }
             BuildQuality::Auto => Quality::Medium,
         }
     }

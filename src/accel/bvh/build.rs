@@ -227,7 +227,14 @@ impl Builder<'_> {
     }
 
     /// As [`Builder::grow`], on this thread, into `part`.
-    fn grow_alone(&self, refs: &mut [Bounds], base: usize, whole: Group, depth: usize, part: &mut Part) -> Child {
+    fn grow_alone(
+        &self,
+        refs: &mut [Bounds],
+        base: usize,
+        whole: Group,
+        depth: usize,
+        part: &mut Part,
+    ) -> Child {
         let index = part.nodes.len();
         part.nodes.push(Node::EMPTY);
         let mut children = Children::new(whole);
@@ -263,7 +270,9 @@ impl Builder<'_> {
             let split = if by_surface { Split::find(mine, &group, self.bins) } else { None };
             let fits = group.len <= Child::MAX_BLOCKS * BLOCK;
             let sides = match split {
-                Some(split) if fits && VISIT * group.bounds.half_area() + split.cost >= group.leaf_cost() => None,
+                Some(split) if fits && VISIT * group.bounds.half_area() + split.cost >= group.leaf_cost() => {
+                    None
+                }
                 Some(split) => Some(split.apply(mine, my_scratch, group.first)),
                 None if fits => None,
                 None => Some(halve(mine, group.first)),

@@ -46,7 +46,13 @@ impl Ray {
     #[inline(always)]
     pub fn new(o: [f32; 3], d: [f32; 3], tmin: f32, tmax: f32) -> Option<Ray> {
         let [ax, ay, az] = d.map(f32::abs);
-        let kz = if az >= ax && az >= ay { 2 } else if ay >= ax { 1 } else { 0 };
+        let kz = if az >= ax && az >= ay {
+            2
+        } else if ay >= ax {
+            1
+        } else {
+            0
+        };
         let largest = d[kz].abs();
         // Written so that an interval with a NaN would be refused as well.
         if !(largest > 0.0 && tmin <= tmax) {

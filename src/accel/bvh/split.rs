@@ -102,8 +102,7 @@ struct Bins {
 
 impl Bins {
     fn fill(grid: &Grid, refs: &[Bounds]) -> Bins {
-        let mut bins =
-            Bins { bounds: [[Bounds::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
+        let mut bins = Bins { bounds: [[Bounds::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
         for r in refs {
             let bin = grid.bin(r.middle2());
             for axis in 0..3 {
@@ -252,8 +251,11 @@ impl Split {
                 }
             }
         });
-        refs.par_chunks_mut(CHUNK).zip(scratch.par_chunks(CHUNK)).for_each(|(to, from)| to.copy_from_slice(from));
-        let sides = parts.iter().fold((Bounds::EMPTY, Bounds::EMPTY), |(l, r), p| (l.union(&p.1), r.union(&p.2)));
+        refs.par_chunks_mut(CHUNK)
+            .zip(scratch.par_chunks(CHUNK))
+            .for_each(|(to, from)| to.copy_from_slice(from));
+        let sides =
+            parts.iter().fold((Bounds::EMPTY, Bounds::EMPTY), |(l, r), p| (l.union(&p.1), r.union(&p.2)));
         (mid, sides.0, sides.1)
     }
 }

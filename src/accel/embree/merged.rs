@@ -6,6 +6,7 @@
 //! indices (12 bytes a vertex and a triangle) and a search for the mesh's name a hit.
 
 use super::scene::Buffers;
+use super::shared::sound;
 use crate::accel::{Hits, LANES, MISS, Mask};
 use crate::error::{Error, Result};
 use crate::shape::{Mesh, Positions};
@@ -43,10 +44,7 @@ impl Merged {
         for mesh in meshes {
             let base = positions.len() as u32;
             first.push(indices.len() as u32);
-            // An index out of range must not become one into the next mesh; all ones are dropped by Embree.
-            let known = mesh.positions.len() as u32;
-            let moved = |i: u32| if i < known { base + i } else { u32::MAX };
-            indices.extend(mesh.indices.iter().map(|corners| corners.map(moved)));
+            indices.extend(mesh.indices.iter().map(|&corners| sound(&mesh.positions, corners, base)));
             positions.extend_from_slice(&mesh.positions);
         }
         first.push(indices.len() as u32);

@@ -19,6 +19,7 @@
 mod device;
 mod merged;
 mod scene;
+mod shared;
 mod trace;
 
 #[cfg(test)]
@@ -30,7 +31,8 @@ use crate::math::isa::Isa;
 use crate::shape::Mesh;
 use device::Device;
 use merged::Merged;
-use scene::{Buffers, Scene};
+use scene::Scene;
+use shared::Shared;
 use std::sync::Arc;
 use trace::Width;
 
@@ -47,7 +49,7 @@ pub struct Embree {
 /// The buffers that the scene reads for as long as it lives.
 enum Geometry {
     /// A geometry a mesh; its id is the mesh's index.
-    Shared(#[allow(dead_code)] Vec<Arc<Mesh>>),
+    Shared(Shared),
     /// One geometry for all meshes.
     Merged(Merged),
 }
@@ -72,14 +74,14 @@ impl Embree {
         }
         let geometry = match options.quality {
             Quality::Low if Merged::pays(meshes) => Geometry::Merged(Merged::new(meshes)?),
-            _ => Geometry::Shared(meshes.to_vec()),
+            _ => Geometry::Shared(Shared::new(meshes)?),
         };
         let device = Device::new(isa, options.threads)?;
         let mut uncommitted = scene::Uncommitted::new(&device, options.quality, options.compact)?;
         match &geometry {
-            Geometry::Shared(meshes) => {
-                for (id, mesh) in meshes.iter().enumerate() {
-                    uncommitted.attach(id as u32, Buffers::of(mesh))?;
+            Geometry::Shared(shared) => {
+                for (id, buffers) in shared.buffers().enumerate() {
+                    uncommitted.attach(id as u32, buffers)?;
                 }
             }
             Geometry::Merged(merged) => uncommitted.attach(0, merged.buffers())?,
@@ -109,11 +111,11 @@ impl Intersector for Embree {
     }
 
     fn bytes(&self) -> usize {
-        let merged = match &self.geometry {
-            Geometry::Shared(_) => 0,
+        let own = match &self.geometry {
+            Geometry::Shared(shared) => shared.bytes(),
             Geometry::Merged(merged) => merged.bytes(),
         };
-        self.device.bytes() + merged
+        self.device.bytes() + own
     }
 
     fn isa(&self) -> &str {

@@ -4,7 +4,7 @@
 use super::device::Device;
 use crate::accel::{Quality, cancelled};
 use crate::error::Result;
-use crate::shape::Mesh;
+use crate::shape::Positions;
 use embree_sys as sys;
 use std::any::Any;
 use std::ffi::c_void;
@@ -44,19 +44,16 @@ impl Drop for Scene {
 /// scene, by every ray. Who passes them to a scene keeps the owner alive and unchanged while the scene
 /// lives. [`super::Embree`] holds an `Arc` of each mesh: as long as it does, nobody can get a `&mut Mesh`,
 /// and a mesh has no interior mutability. `Positions` has the readable bytes behind the last vertex that
-/// Embree's 16-byte loads need. An index out of range is dropped by Embree's own check at commit.
+/// Embree's 16-byte loads need. A triangle with an index out of range is left out
+/// by Embree's own check at commit.
 pub(super) struct Buffers<'a> {
-    positions: &'a crate::shape::Positions,
+    positions: &'a Positions,
     indices: &'a [[u32; 3]],
 }
 
 impl<'a> Buffers<'a> {
-    pub(super) fn new(positions: &'a crate::shape::Positions, indices: &'a [[u32; 3]]) -> Self {
+    pub(super) fn new(positions: &'a Positions, indices: &'a [[u32; 3]]) -> Self {
         Buffers { positions, indices }
-    }
-
-    pub(super) fn of(mesh: &'a Mesh) -> Self {
-        Buffers::new(&mesh.positions, &mesh.indices)
     }
 }
 

@@ -83,7 +83,7 @@ fn nothing_is_hit_in_empty_scenes() {
 }
 
 #[test]
-fn a_triangle_is_hit_exactly_from_both_sides() {
+fn a_triangle_is_hit_where_it_is_from_both_sides() {
     for (isa, quality) in isas().flat_map(|isa| QUALITIES.map(|q| (isa, q))) {
         let embree = build(&[triangle(0.0)], isa, quality);
         assert_eq!(embree.isa(), isa.name());
@@ -96,7 +96,11 @@ fn a_triangle_is_hit_exactly_from_both_sides() {
                 embree.closest(rays.check(active), coherence, &mut hits);
                 for lane in (0..LANES).filter(|lane| active >> lane & 1 == 1) {
                     assert_eq!((hits.mesh[lane], hits.triangle[lane]), (0, 0), "{isa:?}");
-                    assert_eq!((hits.t[lane], hits.u[lane], hits.v[lane]), (4.0, 0.25, 0.5), "{isa:?}");
+                    // Embree divides by Newton iterations from a reciprocal estimate: up to 2 ulps off.
+                    let off = |x: f32, exact: f32| ((x - exact) / exact).abs();
+                    let worst =
+                        off(hits.t[lane], 4.0).max(off(hits.u[lane], 0.25)).max(off(hits.v[lane], 0.5));
+                    assert!(worst <= 2.0 * f32::EPSILON, "{isa:?}: {worst}");
                 }
                 assert_eq!(embree.occluded(rays.check(active), coherence), active);
             }

@@ -27,10 +27,7 @@ fn project(spec: &CameraSpec, p: DVec3) -> [f64; 2] {
     assert!(depth > 0.0, "behind the camera");
     let scale = if spec.projection == Projection::Perspective { spec.window.distance / depth } else { 1.0 };
     let w = &spec.window;
-    [
-        (d.dot(right) * scale - w.left) / (w.right - w.left),
-        (d.dot(up) * scale - w.top) / (w.bottom - w.top),
-    ]
+    [(d.dot(right) * scale - w.left) / (w.right - w.left), (d.dot(up) * scale - w.top) / (w.bottom - w.top)]
 }
 
 fn check(spec: &CameraSpec, meshes: &[Arc<Mesh>], origin: DVec3, what: &str) {
@@ -44,7 +41,10 @@ fn check(spec: &CameraSpec, meshes: &[Arc<Mesh>], origin: DVec3, what: &str) {
         }
     }
     for i in 0..2 {
-        assert!(low[i] >= auto::MARGIN - 1e-6 && high[i] <= 1.0 - auto::MARGIN + 1e-6, "{what}: {low:?} {high:?}");
+        assert!(
+            low[i] >= auto::MARGIN - 1e-6 && high[i] <= 1.0 - auto::MARGIN + 1e-6,
+            "{what}: {low:?} {high:?}"
+        );
     }
     // Tight: one of the two directions is filled from margin to margin.
     let filled = (0..2).any(|i| high[i] - low[i] > 1.0 - 2.0 * auto::MARGIN - 1e-6);
@@ -60,7 +60,12 @@ fn every_vertex_is_inside_the_margin_for_all_views_and_aspects() {
                 for size in [[1024, 768], [100, 1000], [4000, 100], [1, 1]] {
                     let plan = CameraPlan { projection, up: Some(up.vector()), ..CameraPlan::default() };
                     let spec = plan.frame(*view, size, &meshes, DVec3::ZERO);
-                    check(&spec, &meshes, DVec3::ZERO, &format!("{projection:?} {view_name} {up_name} {size:?}"));
+                    check(
+                        &spec,
+                        &meshes,
+                        DVec3::ZERO,
+                        &format!("{projection:?} {view_name} {up_name} {size:?}"),
+                    );
                 }
             }
         }

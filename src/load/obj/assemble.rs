@@ -1,6 +1,6 @@
 //! Blocks in the order of the file become one mesh.
 
-use super::block::{Block, Fatal, FaceRun, MAX_ELEMENTS, Materials};
+use super::block::{Block, FaceRun, Fatal, MAX_ELEMENTS, Materials};
 use super::cleanup::{duplicates, remove, survey};
 use super::corners::Corners;
 use super::faces::{Before, Known, finish_block, finish_deferred};
@@ -182,7 +182,12 @@ impl<'a> Assembly<'a> {
         self.append_faces(block, place, deferred).map_err(|_| self.no_memory())
     }
 
-    fn append_faces(&mut self, block: &Block, place: &Place, deferred: &[FaceRun]) -> Result<(), OutOfMemory> {
+    fn append_faces(
+        &mut self,
+        block: &Block,
+        place: &Place,
+        deferred: &[FaceRun],
+    ) -> Result<(), OutOfMemory> {
         let before = self.triangles.len();
         self.uv_corners.append(&block.uv_corners, &self.triangles, &block.triangles)?;
         self.normal_corners.append(&block.normal_corners, &self.triangles, &block.triangles)?;
@@ -198,7 +203,8 @@ impl<'a> Assembly<'a> {
         extend(&mut self.triangles, &block.triangles)?;
         grow(&mut self.deferred, deferred.len())?;
         for run in deferred {
-            let (first_triangle, first_line) = (before + run.first_triangle, place.first_line + run.first_line);
+            let (first_triangle, first_line) =
+                (before + run.first_triangle, place.first_line + run.first_line);
             self.deferred.push(FaceRun { first_triangle, first_line, ..*run });
         }
         Ok(())

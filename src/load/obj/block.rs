@@ -27,7 +27,12 @@ pub(super) struct FaceRun {
 impl FaceRun {
     /// Adds a face that follows the last of `runs` there, or as a run of its own.
     #[inline]
-    pub fn add(runs: &mut Vec<FaceRun>, first_triangle: usize, corners: usize, line: u64) -> Result<(), OutOfMemory> {
+    pub fn add(
+        runs: &mut Vec<FaceRun>,
+        first_triangle: usize,
+        corners: usize,
+        line: u64,
+    ) -> Result<(), OutOfMemory> {
         if let Some(last) = runs.last_mut()
             && last.corners == corners
             && last.first_line + last.faces as u64 == line
@@ -41,7 +46,8 @@ impl FaceRun {
 
     /// The faces: (first triangle, line).
     pub fn iter(self) -> impl Iterator<Item = (usize, u64)> {
-        (0..self.faces).map(move |i| (self.first_triangle + i * (self.corners - 2), self.first_line + i as u64))
+        (0..self.faces)
+            .map(move |i| (self.first_triangle + i * (self.corners - 2), self.first_line + i as u64))
     }
 }
 

@@ -38,7 +38,12 @@ impl Corners {
     /// Adds the last of `positions`' triangles. `comparable`: its indices may be compared with the
     /// positions' (those relative to different counts may not).
     #[inline]
-    pub fn push(&mut self, own: [u32; 3], positions: &[[u32; 3]], comparable: bool) -> Result<(), OutOfMemory> {
+    pub fn push(
+        &mut self,
+        own: [u32; 3],
+        positions: &[[u32; 3]],
+        comparable: bool,
+    ) -> Result<(), OutOfMemory> {
         let Some((last, before)) = positions.split_last() else { return Ok(()) };
         match self {
             Corners::Same if comparable && own == *last => return Ok(()),

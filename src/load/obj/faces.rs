@@ -44,7 +44,11 @@ enum Verdict {
 }
 
 /// Finishes the faces of a block; returns those that must wait for the end of the file.
-pub(super) fn finish_block(block: &mut Block, before: Before, known: &Known<'_>) -> Result<Vec<FaceRun>, OutOfMemory> {
+pub(super) fn finish_block(
+    block: &mut Block,
+    before: Before,
+    known: &Known<'_>,
+) -> Result<Vec<FaceRun>, OutOfMemory> {
     if nothing_to_do(block, known) {
         return Ok(Vec::new());
     }
@@ -66,7 +70,8 @@ pub(super) fn finish_block(block: &mut Block, before: Before, known: &Known<'_>)
     let mut write = 0;
     for run in &block.runs {
         for (first, line) in run.iter() {
-            let verdict = work.finish(&mut lists, first, write, run.corners, line, known, &mut block.notes)?;
+            let verdict =
+                work.finish(&mut lists, first, write, run.corners, line, known, &mut block.notes)?;
             if verdict == Verdict::Skip {
                 block.skipped += 1;
                 continue;
@@ -212,8 +217,14 @@ impl FaceWork {
             let uv_usable = |i: usize| known.uvs.get(i).map(|uv| !uv[0].is_nan());
             let uvs = judge_attribute(&mut self.uvs, uv_usable, Kind::UvIndex, line, known.complete, notes);
             let normal_usable = |i: usize| known.normals.get(i).map(|n| *n != [0.0; 3]);
-            let normals =
-                judge_attribute(&mut self.normals, normal_usable, Kind::NormalIndex, line, known.complete, notes);
+            let normals = judge_attribute(
+                &mut self.normals,
+                normal_usable,
+                Kind::NormalIndex,
+                line,
+                known.complete,
+                notes,
+            );
             if uvs == Verdict::Defer || normals == Verdict::Defer {
                 verdict = Verdict::Defer;
             }
@@ -288,7 +299,12 @@ fn exact_point(known: &Known<'_>, index: u32) -> DVec3 {
 }
 
 /// The corners of a face from its fan.
-fn gather(list: Option<&[[u32; 3]]>, first: usize, corners: usize, out: &mut Vec<u32>) -> Result<(), OutOfMemory> {
+fn gather(
+    list: Option<&[[u32; 3]]>,
+    first: usize,
+    corners: usize,
+    out: &mut Vec<u32>,
+) -> Result<(), OutOfMemory> {
     out.clear();
     let Some([head, tail @ ..]) = list.and_then(|l| l.get(first..first + corners - 2)) else { return Ok(()) };
     grow(out, corners)?;

@@ -162,7 +162,8 @@ pub fn read_from<R: Read + Send>(
         let (added, next) = rayon::join(
             || assembly.add(&mut parsed),
             || {
-                let next = || if stop.is_none() { source.next_blocks(blocks_at_once) } else { Default::default() };
+                let next =
+                    || if stop.is_none() { source.next_blocks(blocks_at_once) } else { Default::default() };
                 rayon::join(next, || parse_all(&texts, &mut parsing, options.max_line_bytes)).0
             },
         );
@@ -200,7 +201,9 @@ fn line_too_long() -> Error {
 }
 
 fn no_memory(file: &Path) -> Error {
-    Error::new("not enough memory for the mesh").at(file).advise("use a machine with more memory, or split the mesh")
+    Error::new("not enough memory for the mesh")
+        .at(file)
+        .advise("use a machine with more memory, or split the mesh")
 }
 
 #[cfg(test)]

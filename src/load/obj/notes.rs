@@ -100,7 +100,10 @@ impl Notes {
             }
             ours.count += std::mem::take(&mut theirs.count);
             let element = first_element(*kind);
-            let moved = theirs.first.drain(..).map(|n| Note { line: n.line + first_line, detail: n.detail + element });
+            let moved = theirs
+                .first
+                .drain(..)
+                .map(|n| Note { line: n.line + first_line, detail: n.detail + element });
             ours.first.extend(moved);
             ours.trim(2 * Findings::KEPT);
         }
@@ -116,7 +119,13 @@ impl Notes {
             let shown = of_kind.first.len() as u64;
             for note in of_kind.first {
                 let message = message.replace('#', &note.detail.to_string());
-                findings.push(Finding { file: file.to_path_buf(), line: note.line, kind: name, message, severity });
+                findings.push(Finding {
+                    file: file.to_path_buf(),
+                    line: note.line,
+                    kind: name,
+                    message,
+                    severity,
+                });
             }
             findings.count_more(name, severity, of_kind.count.saturating_sub(shown));
         }

@@ -165,10 +165,15 @@ mod tests {
 
     #[test]
     fn a4_what_is_no_number() {
-        for text in ["", "+", "-", ".", "e5", ".e5", "nan", "inf", "-inf", "infinity", "x", "--1", "+-1", "1e", "1e+", "1e-"] {
+        for text in [
+            "", "+", "-", ".", "e5", ".e5", "nan", "inf", "-inf", "infinity", "x", "--1", "+-1", "1e", "1e+",
+            "1e-",
+        ] {
             assert!(number(text.as_bytes(), 0).is_none(), "{text}");
         }
-        for (text, end) in [("1,5", 1), ("0x10", 1), ("1.#INF", 2), ("1.5.2", 3), ("1_000", 1), ("1 2", 1), ("1f", 1)] {
+        for (text, end) in
+            [("1,5", 1), ("0x10", 1), ("1.#INF", 2), ("1.5.2", 3), ("1_000", 1), ("1 2", 1), ("1f", 1)]
+        {
             assert_eq!(number(text.as_bytes(), 0).unwrap().end, end, "{text}");
         }
     }

@@ -1,6 +1,6 @@
 //! The grammar: statements of a block of whole logical lines.
 
-use super::block::{Block, Fatal, FaceRun, MAX_ELEMENTS, residual};
+use super::block::{Block, FaceRun, Fatal, MAX_ELEMENTS, residual};
 use super::memory::{OutOfMemory, push};
 use super::notes::Kind;
 use super::number::{Number, number};
@@ -12,8 +12,7 @@ const LARGEST: f64 = 1e18;
 
 /// Parses `text` into `block`, which is empty. Never fails: what stops it is in [`Block::fatal`].
 pub(super) fn parse_block(text: &[u8], max_line_bytes: usize, block: &mut Block) {
-    let mut parser =
-        Parser { text, at: 0, line: 0, names: HashMap::new(), corners: Vec::new(), block };
+    let mut parser = Parser { text, at: 0, line: 0, names: HashMap::new(), corners: Vec::new(), block };
     let fatal = parser.statements(max_line_bytes).err();
     parser.block.lines = parser.line;
     parser.block.fatal = fatal.map(|f| (parser.line, f));
@@ -257,7 +256,8 @@ impl Parser<'_, '_> {
         // Normals are directions: any magnitude will do, as long as its square is finite and not zero.
         let length2 = normal.iter().map(|&x| f64::from(x) * f64::from(x)).sum::<f64>();
         if !(length2 > 0.0 && length2.is_finite()) {
-            let kind = if values.is_some() || self.not_finite() { Kind::NormalZero } else { Kind::NormalUnreadable };
+            let kind =
+                if values.is_some() || self.not_finite() { Kind::NormalZero } else { Kind::NormalUnreadable };
             self.block.notes.add(kind, line, self.block.normals.len() as i64 + 1);
             self.block.unusable[1] = true;
             normal = [0.0; 3];
@@ -369,7 +369,13 @@ impl Parser<'_, '_> {
 
     /// Turns a stated index into one from 0, or one relative to the block's first element.
     #[inline(always)]
-    fn resolve(&mut self, stated: i64, part: usize, line: u64, corner: &mut Corner) -> Result<(), (Kind, i64)> {
+    fn resolve(
+        &mut self,
+        stated: i64,
+        part: usize,
+        line: u64,
+        corner: &mut Corner,
+    ) -> Result<(), (Kind, i64)> {
         if stated > 0 && stated as u64 <= MAX_ELEMENTS {
             corner.index[part] = (stated - 1) as u32;
         } else if stated < 0 && stated.unsigned_abs() <= MAX_ELEMENTS {
@@ -429,13 +435,12 @@ impl Parser<'_, '_> {
             b"f" | b"fo" => return self.face(line),
             b"usemtl" => return self.use_material(line),
             b"mtllib" => return self.library(line),
-            b"o" | b"g" | b"s" | b"mg" | b"vp" | b"bevel" | b"c_interp" | b"d_interp" | b"lod" | b"maplib"
-            | b"usemap" | b"shadow_obj" | b"trace_obj" => return Ok(()),
+            b"o" | b"g" | b"s" | b"mg" | b"vp" | b"bevel" | b"c_interp" | b"d_interp" | b"lod"
+            | b"maplib" | b"usemap" | b"shadow_obj" | b"trace_obj" => return Ok(()),
             b"p" | b"l" => Kind::PointsAndLines,
-            b"curv" | b"curv2" | b"surf" | b"parm" | b"trim" | b"hole" | b"scrv" | b"sp" | b"end" | b"con" | b"deg"
-            | b"bmat" | b"step" | b"cstype" | b"ctech" | b"stech" | b"bsp" | b"bzp" | b"cdc" | b"cdp" | b"res" => {
-                Kind::FreeForm
-            }
+            b"curv" | b"curv2" | b"surf" | b"parm" | b"trim" | b"hole" | b"scrv" | b"sp" | b"end"
+            | b"con" | b"deg" | b"bmat" | b"step" | b"cstype" | b"ctech" | b"stech" | b"bsp" | b"bzp"
+            | b"cdc" | b"cdp" | b"res" => Kind::FreeForm,
             b"call" | b"csh" => Kind::Command,
             _ => Kind::UnknownStatement,
         };

@@ -30,7 +30,16 @@ pub(super) enum Stop {
 impl<'a, R: Read> Source<'a, R> {
     pub fn new(from: R, file: &'a Path, block_bytes: usize, max_line_bytes: usize) -> Self {
         let block_bytes = block_bytes.max(1);
-        Source { from, file, block_bytes, max_line_bytes, tail: Vec::new(), spare: Vec::new(), bytes_read: 0, ended: false }
+        Source {
+            from,
+            file,
+            block_bytes,
+            max_line_bytes,
+            tail: Vec::new(),
+            spare: Vec::new(),
+            bytes_read: 0,
+            ended: false,
+        }
     }
 
     /// Bytes read so far.

@@ -165,7 +165,8 @@ impl Triangulator {
             Ear::Flat => turn == 0.0,
             Ear::Convex => turn > 0.0,
             Ear::Proper => {
-                let ear = [self.previous[corner as usize], corner, self.next[corner as usize]].map(|i| self.at(i));
+                let ear =
+                    [self.previous[corner as usize], corner, self.next[corner as usize]].map(|i| self.at(i));
                 turn > 0.0 && !self.grid.any_inside(ear, &self.flat, &self.reflex, budget)
             }
         }
@@ -268,7 +269,13 @@ impl Grid {
 
     /// Whether a corner that is still reflex lies in the counter-clockwise triangle or on its edge,
     /// corners at the very place of one of the triangle's apart (polygons with a bridge to a hole have those).
-    fn any_inside(&mut self, triangle: [DVec2; 3], points: &[DVec2], reflex: &[bool], budget: &mut u64) -> bool {
+    fn any_inside(
+        &mut self,
+        triangle: [DVec2; 3],
+        points: &[DVec2],
+        reflex: &[bool],
+        budget: &mut u64,
+    ) -> bool {
         let [a, b, c] = triangle;
         let (first_column, first_row) = self.column_row(a.min(b).min(c));
         let (last_column, last_row) = self.column_row(a.max(b).max(c));
@@ -286,8 +293,9 @@ impl Grid {
                         continue;
                     }
                     let p = points[corner];
-                    let inside =
-                        twice_area(a, b, p) >= 0.0 && twice_area(b, c, p) >= 0.0 && twice_area(c, a, p) >= 0.0;
+                    let inside = twice_area(a, b, p) >= 0.0
+                        && twice_area(b, c, p) >= 0.0
+                        && twice_area(c, a, p) >= 0.0;
                     if inside && p != a && p != b && p != c {
                         return true;
                     }

@@ -46,7 +46,8 @@ fn projection(word: &str) -> Result<Projection> {
         "orthographic" => Ok(Projection::Orthographic),
         _ => {
             let known: Vec<&str> = Projection::NAMES.iter().map(|n| n.0).collect();
-            Err(Error::new(format!("unknown camera type \"{word}\"")).advise(unknown_word_advice(word, &known)))
+            Err(Error::new(format!("unknown camera type \"{word}\""))
+                .advise(unknown_word_advice(word, &known)))
         }
     }
 }
@@ -55,9 +56,9 @@ fn projection(word: &str) -> Result<Projection> {
 fn lens(camera: &mut Section<'_>, projection: Projection) -> Result<Lens> {
     let (fov, plane, height) = (camera.get("fov"), camera.get("plane"), camera.get("height"));
     match (projection, &fov, &plane, &height) {
-        (_, Some(_), Some(plane), _) => {
-            Err(plane.error("camera.plane and camera.fov both set the picture's width").advise("give one of them"))
-        }
+        (_, Some(_), Some(plane), _) => Err(plane
+            .error("camera.plane and camera.fov both set the picture's width")
+            .advise("give one of them")),
         (Projection::Perspective, _, _, Some(height)) => Err(height
             .error("camera.height is for the orthographic camera")
             .advise("a perspective camera has fov, in degrees")),
@@ -79,7 +80,9 @@ fn plane_window(field: &Field<'_>) -> Result<Window> {
     let mut plane = field.section()?;
     let mut border = |key: &'static str| {
         plane.read(key, |f| f.number(COORDINATE))?.ok_or_else(|| {
-            field.error(format!("{} has no {key}", field.name())).advise("it needs left, right, top and bottom")
+            field
+                .error(format!("{} has no {key}", field.name()))
+                .advise("it needs left, right, top and bottom")
         })
     };
     let (left, right) = (border("left")?, border("right")?);
@@ -93,7 +96,12 @@ fn plane_window(field: &Field<'_>) -> Result<Window> {
 }
 
 /// Refuses a view without a direction, at the value that spoils it.
-fn check_view(plan: &CameraPlan, position: &Field<'_>, look_at: &Field<'_>, up: Option<&Field<'_>>) -> Result<()> {
+fn check_view(
+    plan: &CameraPlan,
+    position: &Field<'_>,
+    look_at: &Field<'_>,
+    up: Option<&Field<'_>>,
+) -> Result<()> {
     let (Some(eye), Some(target)) = (plan.position, plan.look_at) else { return Ok(()) };
     let spec = CameraSpec {
         projection: plan.projection,

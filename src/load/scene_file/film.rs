@@ -18,7 +18,8 @@ pub(super) fn read(mut film: Section<'_>, settings: &mut Settings) -> Result<()>
         settings.size = size.integers(1..=LARGEST_SIDE)?;
         let pixels = u64::from(settings.size[0]) * u64::from(settings.size[1]);
         if pixels > MOST_PIXELS {
-            return Err(size.error(format!("{} is {pixels} pixels, more than the limit of {MOST_PIXELS}", size.name())));
+            return Err(size
+                .error(format!("{} is {pixels} pixels, more than the limit of {MOST_PIXELS}", size.name())));
         }
     }
     if let Some(crop) = film.read("crop", |f| crop(&f, settings.size))? {
@@ -50,22 +51,28 @@ fn crop(field: &Field<'_>, size: [u32; 2]) -> Result<[u32; 4]> {
 }
 
 fn filter(field: Field<'_>) -> Result<Filter> {
-    const LATER: &[&str] = &["tent", "mitchell", "blackman-harris"];
     let mut table = match field.shorthand()? {
-        Shorthand::Word(word) => return word.word(LATER, Filter::from_name),
+        Shorthand::Word(word) => return word.word(&[], Filter::from_name),
         Shorthand::Table(table) => table,
     };
-    let kind = table.read("type", |f| f.word(LATER, Filter::from_name))?;
+    let kind = table.read("type", |f| f.word(&[], Filter::from_name))?;
     let mut filter = kind.unwrap_or(Settings::default().filter);
     // 32 pixels to each side is far beyond any use, and keeps offsets small against the film.
     let length = |f: Field<'_>| f.number(0.01..=32.0).map(|x| x as f32);
     match &mut filter {
-        Filter::Box { radius } => {
+        Filter::Box { radius } | Filter::Tent { radius } | Filter::BlackmanHarris { radius } => {
             *radius = table.read("radius", length)?.unwrap_or(*radius);
         }
         Filter::Gaussian { sigma, radius } => {
             *sigma = table.read("sigma", length)?.unwrap_or(*sigma);
             *radius = table.read("radius", length)?.unwrap_or(*radius);
+        }
+        Filter::Mitchell { radius, b, c } => {
+            // Beyond this range the cubic is no filter any more.
+            let share = |f: Field<'_>| f.number(0.0..=1.0).map(|x| x as f32);
+            *radius = table.read("radius", length)?.unwrap_or(*radius);
+            *b = table.read("b", share)?.unwrap_or(*b);
+            *c = table.read("c", share)?.unwrap_or(*c);
         }
     }
     table.finish()?;

@@ -84,7 +84,8 @@ fn environment(light: &mut Section<'_>) -> Result<LightPlan> {
         return Err(sky.error("sky and radiance exclude each other").advise("scale makes a sky brighter"));
     }
     let up = up.map(|f| {
-        f.point().and_then(|p| p.try_normalize().ok_or_else(|| f.error(format!("{} has no direction", f.name()))))
+        f.point()
+            .and_then(|p| p.try_normalize().ok_or_else(|| f.error(format!("{} has no direction", f.name()))))
     });
     Ok(LightPlan::Sky { sky: sky.word(&[], Sky::from_name)?, up: up.transpose()?, scale })
 }

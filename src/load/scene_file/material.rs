@@ -80,9 +80,9 @@ fn index<'t>(table: &mut Section<'t>) -> Result<Option<(Field<'t>, [Rgb; 2])>> {
     match (eta, k, metal) {
         (None, None, metal) => Ok(metal),
         (Some((field, eta)), Some((_, k)), None) => Ok(Some((field, [eta, k]))),
-        (Some((field, _)), _, Some(_)) | (_, Some((field, _)), Some(_)) => {
-            Err(field.error(format!("{} and metal exclude each other", field.name())).advise("give one of them"))
-        }
+        (Some((field, _)), _, Some(_)) | (_, Some((field, _)), Some(_)) => Err(field
+            .error(format!("{} and metal exclude each other", field.name()))
+            .advise("give one of them")),
         (Some((field, _)), None, None) => Err(field.error(format!("{} needs k beside it", field.name()))),
         (None, Some((field, _)), None) => Err(field.error(format!("{} needs eta beside it", field.name()))),
     }
@@ -129,7 +129,9 @@ impl MaterialPatch<'_> {
         }
         if let Some((field, [eta, k])) = &self.index {
             match &mut base.model {
-                Model::Conductor { reflectance, .. } => *reflectance = Reflectance::Index { eta: *eta, k: *k },
+                Model::Conductor { reflectance, .. } => {
+                    *reflectance = Reflectance::Index { eta: *eta, k: *k }
+                }
                 other => return not_for(field, other),
             }
         }
@@ -155,9 +157,11 @@ impl MaterialPatch<'_> {
         match name {
             "diffuse" => Ok(Model::Diffuse { reflectance: Rgb::splat(0.5) }),
             "mirror" => Ok(Model::Mirror { reflectance: Rgb::ONE }),
-            "conductor" => {
-                Ok(Model::Conductor { reflectance: Reflectance::Constant(Rgb::ONE), alpha: 0.0, compensate: true })
-            }
+            "conductor" => Ok(Model::Conductor {
+                reflectance: Reflectance::Constant(Rgb::ONE),
+                alpha: 0.0,
+                compensate: true,
+            }),
             _ => Err(self.field.error(format!("material type \"{name}\" is not supported by this version"))),
         }
     }

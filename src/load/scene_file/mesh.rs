@@ -29,9 +29,9 @@ pub(super) fn read_all<'t>(field: &Field<'t>, folder: &Path) -> Result<Vec<MeshP
 
 fn read<'t>(mut mesh: Section<'t>, field: &Field<'t>, folder: &Path) -> Result<MeshPlan<'t>> {
     mesh.not_yet(&["motion"])?;
-    let file = mesh
-        .get("file")
-        .ok_or_else(|| field.error(format!("{} has no file", field.name())).advise("e.g. file = \"bunny.obj\""))?;
+    let file = mesh.get("file").ok_or_else(|| {
+        field.error(format!("{} has no file", field.name())).advise("e.g. file = \"bunny.obj\"")
+    })?;
     let material = mesh.get("material");
     if let Some(material) = &material {
         material.text()?;
@@ -40,7 +40,9 @@ fn read<'t>(mut mesh: Section<'t>, field: &Field<'t>, folder: &Path) -> Result<M
     let normals = mesh.read("normals", normals_word)?;
     let crease = mesh.get("crease");
     let normals = match (normals.unwrap_or(NormalsMode::File), crease) {
-        (NormalsMode::Smooth { .. }, Some(crease)) => NormalsMode::Smooth { crease: crease.number(0.0..=180.0)? },
+        (NormalsMode::Smooth { .. }, Some(crease)) => {
+            NormalsMode::Smooth { crease: crease.number(0.0..=180.0)? }
+        }
         (_, Some(crease)) => {
             return Err(crease.error(format!("{} goes with normals = \"smooth\"", crease.name())));
         }
@@ -75,13 +77,16 @@ fn transform(field: Field<'_>) -> Result<Transform> {
     let translate = table.read("translate", |f| f.point())?;
     table.finish()?;
     if matrix.is_some() && (scale.is_some() || rotate.is_some() || translate.is_some()) {
-        return Err(field.error(format!("{}.matrix stands alone", field.name())).advise("leave out the other keys"));
+        return Err(field
+            .error(format!("{}.matrix stands alone", field.name()))
+            .advise("leave out the other keys"));
     }
     let steps = DMat4::from_translation(translate.unwrap_or(DVec3::ZERO))
         * rotate.unwrap_or(DMat4::IDENTITY)
         * DMat4::from_scale(scale.unwrap_or(DVec3::ONE));
     Transform::new(matrix.unwrap_or(steps)).ok_or_else(|| {
-        field.error(format!("{} flattens the mesh or leaves the range of numbers", field.name()))
+        field
+            .error(format!("{} flattens the mesh or leaves the range of numbers", field.name()))
             .advise("a transform must be invertible")
     })
 }

@@ -67,7 +67,8 @@ pub(crate) fn tree_of(file: &Path) -> Result<Entries> {
 /// The tree of a scene that is one mesh.
 pub(crate) fn tree_of_mesh(file: &Path) -> Entries {
     let flag: Arc<str> = "INPUT".into();
-    let entry = |value| Entry { key_origin: tree::Origin::Flag(flag.clone()), node: Node::from_flag(value, &flag) };
+    let entry =
+        |value| Entry { key_origin: tree::Origin::Flag(flag.clone()), node: Node::from_flag(value, &flag) };
     let path = entry(Value::Text(file.to_string_lossy().into_owned()));
     let mesh = Value::Table(Entries::from([("file".to_string(), path)]));
     Entries::from([("mesh".to_string(), entry(Value::List(vec![Node::from_flag(mesh, &flag)])))])
@@ -77,7 +78,12 @@ pub(crate) fn tree_of_mesh(file: &Path) -> Entries {
 ///
 /// # Errors
 /// The first wrong value or unknown key, by line and column or by flag.
-pub(crate) fn read<'t>(tree: &'t Entries, file: &'t Path, folder: &Path, mut settings: Settings) -> Result<Plan<'t>> {
+pub(crate) fn read<'t>(
+    tree: &'t Entries,
+    file: &'t Path,
+    folder: &Path,
+    mut settings: Settings,
+) -> Result<Plan<'t>> {
     let mut top = Section::top(tree, file);
     if let Some(film) = top.get("film") {
         film::read(film.section()?, &mut settings)?;

@@ -146,9 +146,8 @@ impl<'t> Field<'t> {
             _ => None,
         };
         let integer = integer.and_then(|i| u64::try_from(i).ok()).filter(|i| range.contains(i));
-        integer.ok_or_else(|| {
-            self.must_be(&format!("a whole number from {} to {}", range.start(), range.end()))
-        })
+        integer
+            .ok_or_else(|| self.must_be(&format!("a whole number from {} to {}", range.start(), range.end())))
     }
 
     /// A whole number that fits `u32`; `range` in `u32`.

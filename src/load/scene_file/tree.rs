@@ -52,7 +52,9 @@ impl Value {
             Value::Bool(b) => b.to_string(),
             Value::Integer(i) => i.to_string(),
             Value::Float(x) => format!("{x}"),
-            Value::Text(t) if t.chars().count() > 60 => format!("\"{}…\"", t.chars().take(60).collect::<String>()),
+            Value::Text(t) if t.chars().count() > 60 => {
+                format!("\"{}…\"", t.chars().take(60).collect::<String>())
+            }
             Value::Text(t) => format!("\"{t}\""),
             Value::List(items) => format!("a list of {}", items.len()),
             Value::Table(_) => "a table".to_string(),
@@ -113,7 +115,8 @@ pub(crate) fn parse(text: &str, file: &Path) -> Result<Entries> {
         locate(Error::new(e.message().replace('\n', ", ")), &origin, file)
     })?;
     let place = |span: std::ops::Range<usize>| lines.origin(span.start);
-    entries(table.into_inner(), &place).map_err(|(origin, message)| locate(Error::new(message), &origin, file))
+    entries(table.into_inner(), &place)
+        .map_err(|(origin, message)| locate(Error::new(message), &origin, file))
 }
 
 /// Parses what stands behind `=` of `--set KEY=VALUE`: a TOML value, or else a bare word.

@@ -1,0 +1,60 @@
+//! A geometry a mesh, on the mesh's own buffers.
+
+use super::scene::Buffers;
+use crate::accel::brute::has_area;
+use crate::error::{Error, Result};
+use crate::math::Vec3;
+use crate::shape::{Mesh, Positions};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Embree leaves a triangle out when an index is out of range.
+const LEFT_OUT: [u32; 3] = [u32::MAX; 3];
+
+/// The corners' indices for Embree, moved by `base`; [`LEFT_OUT`] for a triangle that must not be hit.
+///
+/// Embree's test hits triangles without area: the cross product of parallel edges is not zero in f32 once a
+/// multiplication is fused or rounded, and the "hit" may be far from the sliver.
+#[inline]
+pub(super) fn sound(positions: &Positions, corners: [u32; 3], base: u32) -> [u32; 3] {
+    let [a, b, c] = corners.map(|i| positions.get(i as usize).map(|&p| Vec3::from(p)));
+    match (a, b, c) {
+        (Some(a), Some(b), Some(c)) if has_area([a, b, c]) => corners.map(|i| i + base),
+        _ => LEFT_OUT,
+    }
+}
+
+/// Meshes, and for those that have triangles without area a copy of the indices that leaves them out.
+pub(super) struct Shared(Vec<(Arc<Mesh>, Option<Vec<[u32; 3]>>)>);
+
+impl Shared {
+    pub(super) fn new(meshes: &[Arc<Mesh>]) -> Result<Self> {
+        let part = |mesh: &Arc<Mesh>| Ok((mesh.clone(), without_flat(mesh)?));
+        Ok(Shared(meshes.iter().map(part).collect::<Result<_>>()?))
+    }
+
+    /// The meshes' buffers, in order.
+    pub(super) fn buffers(&self) -> impl Iterator<Item = Buffers<'_>> {
+        self.0
+            .iter()
+            .map(|(mesh, own)| Buffers::new(&mesh.positions, own.as_deref().unwrap_or(&mesh.indices)))
+    }
+
+    /// Bytes of the copies.
+    pub(super) fn bytes(&self) -> usize {
+        self.0.iter().flat_map(|(_, own)| own).map(|own| own.len() * 12).sum()
+    }
+}
+
+/// `None` when every triangle of the mesh may be hit.
+fn without_flat(mesh: &Mesh) -> Result<Option<Vec<[u32; 3]>>> {
+    let changed = |&corners: &[u32; 3]| sound(&mesh.positions, corners, 0) != corners;
+    if !mesh.indices.par_chunks(1 << 14).any(|chunk| chunk.iter().any(changed)) {
+        return Ok(None);
+    }
+    let mut own = Vec::new();
+    own.try_reserve_exact(mesh.indices.len())
+        .map_err(|_| Error::new(format!("not enough memory for {} triangles", mesh.indices.len())))?;
+    own.extend(mesh.indices.iter().map(|&corners| sound(&mesh.positions, corners, 0)));
+    Ok(Some(own))
+}

@@ -1,0 +1,292 @@
+//! Two backends, one ray, two answers: who is right?
+//!
+//! f32 backends may differ where the geometry leaves them a choice, and nowhere else. All tolerances are
+//! lengths, multiples of ε·W with ε = 2⁻²³ and W the largest absolute coordinate of the ray's origin and the
+//! triangle: differences of coordinates are rounded in units of ε·W whatever happens afterwards, so a
+//! backend sees each vertex displaced by a few ε·W, across the ray as well as along it. A displacement p of the plane
+//! changes t·|d| by p/cos, cos the cosine between ray and normal; hence distances are compared as |Δt|·|d|·cos. (A
+//! bare relative tolerance on t would have to be 3.5·10⁻⁴ to admit grazing hits.)
+
+use super::brute::{Brute, Measure, Ray64};
+use super::{Checked, Hits, LANES, MISS, Rays};
+use crate::math::Vec3;
+use crate::shape::Mesh;
+use std::sync::Arc;
+
+/// |Δt|·|d|·cos between two sound answers on one triangle, in ε·W: 5.8 was the largest that half a million
+/// rays showed between Embree and a hierarchy of single-precision Möller–Trumbore tests.
+pub const PLANE: f64 = 8.0;
+
+/// How far across the ray an edge may be displaced, in ε·W: an offset from the origin is at most 2·W and its
+/// two sheared components carry up to 6·2⁻²⁴ of it each, √2·6 ε·W together; twice that for two backends.
+pub const ACROSS: f64 = 16.0;
+
+/// Disagreements that a [`Tally`] keeps in full.
+pub const KEPT: usize = 100;
+
+/// One backend's hit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answer {
+    /// Distance in multiples of the direction.
+    pub t: f32,
+    /// Barycentric weight of the second corner.
+    pub u: f32,
+    /// Barycentric weight of the third corner.
+    pub v: f32,
+    /// Mesh.
+    pub mesh: u32,
+    /// Triangle.
+    pub triangle: u32,
+}
+
+impl Answer {
+    /// One lane of a chunk; `None` for a miss.
+    pub fn of(hits: &Hits, lane: usize) -> Option<Answer> {
+        (hits.mesh[lane] != MISS).then(|| Answer {
+            t: hits.t[lane],
+            u: hits.u[lane],
+            v: hits.v[lane],
+            mesh: hits.mesh[lane],
+            triangle: hits.triangle[lane],
+        })
+    }
+}
+
+/// What a pair of answers amounts to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The same triangle at the same place, or both miss.
+    Same,
+    /// Two triangles at one distance, or a hit within rounding of an end of the interval.
+    Tie,
+    /// The ray passes a border of the surface within rounding; one backend saw it inside, the other outside.
+    Edge,
+    /// The ray runs along the triangle: within rounding of its plane over its whole size.
+    Graze,
+    /// One of the two is wrong.
+    Real,
+}
+
+/// Counts of verdicts.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    /// Rays compared.
+    pub rays: u64,
+    /// [`Verdict::Same`].
+    pub same: u64,
+    /// [`Verdict::Tie`].
+    pub tie: u64,
+    /// [`Verdict::Edge`].
+    pub edge: u64,
+    /// [`Verdict::Graze`].
+    pub graze: u64,
+    /// [`Verdict::Real`].
+    pub real: u64,
+    /// Rays that one backend says hit and the other says miss, whatever the verdict.
+    pub hit_miss: u64,
+    /// The first [`KEPT`] real disagreements.
+    pub kept: Vec<Disagreement>,
+}
+
+/// A ray and its two answers.
+#[derive(Clone, Copy, Debug)]
+pub struct Disagreement {
+    /// Origin.
+    pub o: Vec3,
+    /// Direction.
+    pub d: Vec3,
+    /// Start of the interval.
+    pub tmin: f32,
+    /// End of the interval.
+    pub tmax: f32,
+    /// The first backend's answer.
+    pub first: Option<Answer>,
+    /// The second backend's answer.
+    pub second: Option<Answer>,
+}
+
+impl Tally {
+    /// Adds the counts of `other` and as many of its kept disagreements as there is room for.
+    pub fn merge(&mut self, other: Tally) {
+        self.rays += other.rays;
+        self.same += other.same;
+        self.tie += other.tie;
+        self.edge += other.edge;
+        self.graze += other.graze;
+        self.real += other.real;
+        self.hit_miss += other.hit_miss;
+        let room = KEPT.saturating_sub(self.kept.len());
+        self.kept.extend(other.kept.into_iter().take(room));
+    }
+
+    fn add(&mut self, verdict: Verdict, case: Disagreement) {
+        self.rays += 1;
+        self.hit_miss += (case.first.is_some() != case.second.is_some()) as u64;
+        match verdict {
+            Verdict::Same => self.same += 1,
+            Verdict::Tie => self.tie += 1,
+            Verdict::Edge => self.edge += 1,
+            Verdict::Graze => self.graze += 1,
+            Verdict::Real => {
+                self.real += 1;
+                if self.kept.len() < KEPT {
+                    self.kept.push(case);
+                }
+            }
+        }
+    }
+}
+
+/// Judges answers about one list of meshes. Costs a few hundred operations a ray.
+pub struct Judge {
+    meshes: Vec<Arc<Mesh>>,
+    brute: Option<Brute>,
+}
+
+/// An answer with what f64 says about the triangle it names.
+struct Claim {
+    answer: Answer,
+    measure: Measure,
+    /// ε·W.
+    unit: f64,
+    diameter: f64,
+}
+
+impl Claim {
+    fn grazes(&self) -> bool {
+        self.measure.cos * self.diameter <= ACROSS * self.unit
+    }
+
+    /// By how much t (in units of length along the ray) is uncertain.
+    fn blur(&self) -> f64 {
+        PLANE * self.unit / self.measure.cos
+    }
+
+    fn at_border(&self) -> bool {
+        self.measure.inset.abs() <= ACROSS * self.unit
+    }
+
+    fn outside(&self) -> bool {
+        self.measure.inset < -ACROSS * self.unit
+    }
+}
+
+impl Judge {
+    /// A judge that looks only at the triangles named. A leak through a closed surface's edge and the
+    /// border of an open surface look the same to it: both are [`Verdict::Edge`].
+    pub fn new(meshes: &[Arc<Mesh>]) -> Judge {
+        Judge { meshes: meshes.to_vec(), brute: None }
+    }
+
+    /// A judge that tells a leak from a border, at the cost of eight rays against all triangles for every
+    /// disagreement at an edge.
+    pub fn thorough(meshes: &[Arc<Mesh>]) -> Judge {
+        Judge { meshes: meshes.to_vec(), brute: Some(Brute::new(meshes)) }
+    }
+
+    /// Judges all active lanes of a chunk.
+    pub fn compare(&self, rays: Checked<'_>, first: &Hits, second: &Hits, tally: &mut Tally) {
+        for lane in (0..LANES).filter(|&lane| rays.active() >> lane & 1 == 1) {
+            let (a, b) = (Answer::of(first, lane), Answer::of(second, lane));
+            let verdict = self.verdict(rays.rays(), lane, a, b);
+            let r = rays.rays();
+            let (o, d, tmin, tmax) = (r.o(lane), r.d(lane), r.tmin[lane], r.tmax[lane]);
+            tally.add(verdict, Disagreement { o, d, tmin, tmax, first: a, second: b });
+        }
+    }
+
+    /// Judges one lane's two answers.
+    pub fn verdict(&self, rays: &Rays, lane: usize, a: Option<Answer>, b: Option<Answer>) -> Verdict {
+        let ray = Ray64::of(rays, lane);
+        match (a, b) {
+            (None, None) => Verdict::Same,
+            (Some(a), None) | (None, Some(a)) => match self.claim(&ray, a) {
+                Ok(claim) => self.against_miss(&ray, &claim),
+                Err(verdict) => verdict,
+            },
+            (Some(a), Some(b)) => match (self.claim(&ray, a), self.claim(&ray, b)) {
+                (Ok(a), Ok(b))
+                    if (a.answer.mesh, a.answer.triangle) == (b.answer.mesh, b.answer.triangle) =>
+                {
+                    same_triangle(&ray, &a, &b)
+                }
+                (Ok(a), Ok(b)) => self.two_triangles(&ray, &a, &b),
+                (Err(Verdict::Real), _) | (_, Err(Verdict::Real)) => Verdict::Real,
+                (Err(verdict), _) | (_, Err(verdict)) => verdict,
+            },
+        }
+    }
+
+    /// Measures an answer. An answer that is wrong on its own, whatever the other says, is an error: a triangle
+    /// that does not exist or is clearly missed, a point (u, v) that is not on the ray, a distance that is not
+    /// the triangle's.
+    fn claim(&self, ray: &Ray64, answer: Answer) -> Result<Claim, Verdict> {
+        let mesh = self.meshes.get(answer.mesh as usize).ok_or(Verdict::Real)?;
+        if answer.triangle as usize >= mesh.indices.len() {
+            return Err(Verdict::Real);
+        }
+        let corners = mesh.triangle(answer.triangle as usize).map(|p| p.as_dvec3());
+        let [a, b, c] = corners;
+        let measure = Measure::of(ray, corners).ok_or(Verdict::Graze)?;
+        let largest = [ray.o, a, b, c].iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let diameter = (b - a).length().max((c - b).length()).max((a - c).length());
+        let unit = f32::EPSILON as f64 * largest;
+        let claim = Claim { answer, measure, unit, diameter };
+        if claim.grazes() {
+            return Err(Verdict::Graze);
+        }
+        let (u, v) = (answer.u as f64, answer.v as f64);
+        let point = a * (1.0 - u - v) + b * u + c * v;
+        let off = (point - ray.o).cross(ray.d).length() / ray.d.length();
+        let along = (answer.t as f64 - measure.t).abs() * ray.d.length();
+        let wrong = claim.outside() || off > 2.0 * ACROSS * unit || along > 2.0 * claim.blur();
+        if wrong { Err(Verdict::Real) } else { Ok(claim) }
+    }
+
+    /// One says hit, the other miss.
+    fn against_miss(&self, ray: &Ray64, hit: &Claim) -> Verdict {
+        if at_an_end(ray, hit) {
+            return Verdict::Tie;
+        }
+        self.passed_by(ray, hit, f64::INFINITY)
+    }
+
+    fn two_triangles(&self, ray: &Ray64, a: &Claim, b: &Claim) -> Verdict {
+        let (near, far) = if a.measure.t <= b.measure.t { (a, b) } else { (b, a) };
+        let apart = (far.measure.t - near.measure.t) * ray.d.length();
+        if apart <= near.blur() + far.blur() || at_an_end(ray, near) {
+            return Verdict::Tie;
+        }
+        self.passed_by(ray, near, (near.measure.t + far.measure.t) * 0.5)
+    }
+
+    /// The hit that the other backend did not see, though nothing before `beyond` hid it. Legitimate only
+    /// where the surface has a border: if rays displaced to all sides meet a surface all the same, the other
+    /// ray slipped through a crack.
+    fn passed_by(&self, ray: &Ray64, hit: &Claim, beyond: f64) -> Verdict {
+        if !hit.at_border() {
+            return Verdict::Real;
+        }
+        let Some(brute) = &self.brute else { return Verdict::Edge };
+        let side = ray.d.normalize().any_orthonormal_vector();
+        let other = side.cross(ray.d).normalize();
+        let radius = 2.0 * ACROSS * hit.unit;
+        let surrounded = (0..8).all(|i| {
+            let (sin, cos) = libm::sincos(f64::from(i) * std::f64::consts::FRAC_PI_4 + 0.2);
+            let o = ray.o + (side * cos + other * sin) * radius;
+            brute.any(&Ray64 { o, tmax: ray.tmax.min(beyond), ..*ray })
+        });
+        if surrounded { Verdict::Real } else { Verdict::Edge }
+    }
+}
+
+/// Within rounding of the interval's start or end.
+fn at_an_end(ray: &Ray64, hit: &Claim) -> bool {
+    let near = |end: f64| (hit.measure.t - end).abs() * ray.d.length() <= hit.blur();
+    near(ray.tmin) || near(ray.tmax)
+}
+
+fn same_triangle(ray: &Ray64, a: &Claim, b: &Claim) -> Verdict {
+    let apart = (a.answer.t as f64 - b.answer.t as f64).abs() * ray.d.length();
+    if apart <= a.blur() { Verdict::Same } else { Verdict::Real }
+}

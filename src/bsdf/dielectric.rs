@@ -1,0 +1,39 @@
+//! A smooth boundary between air and a clear dielectric.
+
+use super::fresnel;
+use super::{Sample, Scatter, View, reflect};
+use crate::math::{Rgb, Vec3};
+
+/// Clear glass, water, diamond: reflects by Fresnel's formula and refracts the rest by Snell's law. The body
+/// is on the side that `ng` points away from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dielectric {
+    /// Index of refraction of the inside relative to the outside, > 0; 1.5 is window glass.
+    pub ior: f32,
+    /// What is left of the light that passes the boundary, per channel in [0, 1].
+    pub tint: Rgb,
+}
+
+impl Scatter for Dielectric {
+    #[inline(always)]
+    fn eval(&self, _view: &View, _wi: Vec3) -> (Rgb, f32) {
+        (Rgb::ZERO, 0.0)
+    }
+
+    #[inline(always)]
+    fn sample(&self, view: &View, _u: [f32; 2], lobe: f32) -> Option<Sample> {
+        let eta = if view.outside { self.ior } else { 1.0 / self.ior };
+        let (reflectance, cos_t) = fresnel::dielectric(view.wo.z, eta);
+        if lobe < reflectance {
+            return Some(Sample { wi: reflect(view.wo), weight: Rgb::ONE, pdf: f32::INFINITY });
+        }
+        let wi = Vec3::new(-view.wo.x / eta, -view.wo.y / eta, -cos_t).normalize();
+        // Radiance is spread over a solid angle that changes by η² (pbrt 4th ed., 9.5.2).
+        Some(Sample { wi, weight: self.tint / (eta * eta), pdf: f32::INFINITY })
+    }
+
+    #[inline(always)]
+    fn is_delta(&self) -> bool {
+        true
+    }
+}

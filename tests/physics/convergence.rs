@@ -1,0 +1,72 @@
+//! How fast pixels converge: slopes of log RMSE against log N over 200 seeds, N = 16 … 1024.
+
+use crate::harness::{Stage, obj, on_every_backend, stage};
+use drt::scene::SamplerKind;
+use std::f64::consts::PI;
+
+/// Root mean square error of a one-pixel picture over 200 seeds.
+fn rms(stage: &Stage, sampler: SamplerKind, spp: u32, exact: f64) -> f64 {
+    let square = |seed| {
+        let (image, _) = stage.render(|s| (s.seed, s.spp, s.sampler) = (seed, spp, sampler));
+        (f64::from(image.f32_channel("G").unwrap()[0]) - exact).powi(2)
+    };
+    ((0..200).map(square).sum::<f64>() / 200.0).sqrt()
+}
+
+fn slope(stage: &Stage, sampler: SamplerKind, exact: f64) -> f64 {
+    let points: Vec<(f64, f64)> =
+        (4..=10).map(|k| (f64::from(k), rms(stage, sampler, 1 << k, exact).log2())).collect();
+    let n = points.len() as f64;
+    let (mx, my) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
+    let covariance: f64 = points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum();
+    covariance / points.iter().map(|p| (p.0 - mx).powi(2)).sum::<f64>()
+}
+
+/// One pixel that looks at the square [0, 1]² of the plane z = 0 from above.
+fn pixel(rest: &str) -> String {
+    format!(
+        "[camera]\ntype = \"orthographic\"\nposition = [0.5, 0.5, 5]\nlook_at = [0.5, 0.5, 0]\nheight = 1\n\
+         [film]\nsize = [1, 1]\n[render]\nmax_depth = 1\n[[mesh]]\nfile = \"m.obj\"\nmaterial = \"m\"\n\
+         [materials.m]\ntype = \"diffuse\"\n{rest}"
+    )
+}
+
+#[test]
+fn slopes_on_a_smooth_pixel() {
+    // ρ/π times the square's solid angle from a point above its middle: ∫ h/r³ dA.
+    let h: f64 = 0.8;
+    let exact = 0.5 / PI * 4.0 * (0.25 / (h * (0.5 + h * h).sqrt())).atan();
+    let light =
+        "reflectance = 0.5\n[[light]]\ntype = \"point\"\nposition = [0.5, 0.5, 0.8]\nintensity = 1.0\n";
+    let floor = obj(&[vec![[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [2.0, 2.0, 0.0], [-1.0, 2.0, 0.0]]]);
+    on_every_backend(|backend| {
+        let stage = stage(&pixel(light), &[("m.obj", floor.clone())], backend, &[]);
+        let random = slope(&stage, SamplerKind::Random, exact);
+        assert!((-0.58..=-0.42).contains(&random), "random {random}");
+        let stratified = slope(&stage, SamplerKind::Stratified, exact);
+        assert!(stratified <= -0.92, "stratified {stratified}");
+        let sobol = slope(&stage, SamplerKind::Sobol, exact);
+        assert!(sobol <= -1.25, "sobol {sobol}");
+    });
+}
+
+#[test]
+fn slopes_on_an_edge() {
+    // A luminous half plane x + 0.7·y < 0.9 covers .55 of the pixel.
+    let emit = "reflectance = 0.0\nemission = 1.0\n";
+    let half = obj(&[vec![
+        [0.9 + 7.0, -10.0, 0.0],
+        [0.9 - 7.0, 10.0, 0.0],
+        [-20.0, 10.0, 0.0],
+        [-20.0, -10.0, 0.0],
+    ]]);
+    on_every_backend(|backend| {
+        let stage = stage(&pixel(emit), &[("m.obj", half.clone())], backend, &[]);
+        for (sampler, gate) in
+            [(SamplerKind::Random, -0.42), (SamplerKind::Stratified, -0.67), (SamplerKind::Sobol, -0.67)]
+        {
+            let slope = slope(&stage, sampler, 0.55);
+            assert!(slope <= gate, "{sampler:?} {slope}");
+        }
+    });
+}
