@@ -10,8 +10,11 @@ use tempfile::TempDir;
 
 /// What the program said and how it ended.
 pub struct Ended {
+    /// Exit code; `None` after a signal.
     pub code: Option<i32>,
+    /// Standard output.
     pub out: String,
+    /// Standard error.
     pub err: String,
 }
 

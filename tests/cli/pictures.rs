@@ -40,9 +40,26 @@ fn stats_have_every_key() {
     ended.expect(0, &[]);
     let stats: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
     for key in [
-        "version", "backend", "isa", "threads", "seed", "spp", "width", "height", "triangles", "vertices",
-        "skipped_faces", "warnings", "seconds", "cpu_seconds", "rays", "rejected_rays", "invalid_samples",
-        "peak_rss_bytes", "bvh_bytes", "seconds_in",
+        "version",
+        "backend",
+        "isa",
+        "threads",
+        "seed",
+        "spp",
+        "width",
+        "height",
+        "triangles",
+        "vertices",
+        "skipped_faces",
+        "warnings",
+        "seconds",
+        "cpu_seconds",
+        "rays",
+        "rejected_rays",
+        "invalid_samples",
+        "peak_rss_bytes",
+        "bvh_bytes",
+        "seconds_in",
     ] {
         assert!(!stats[key].is_null(), "{key}");
     }
@@ -109,7 +126,8 @@ fn an_interrupted_render_keeps_what_is_done() {
     let dir = folder.path();
     for (signal, code) in [(signal_hook::consts::SIGINT, 130), (signal_hook::consts::SIGTERM, 143)] {
         let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("drt"));
-        let words = ["t.obj", "--size", "64x48", "--spp", "1048576", "--backend", "bvh", "--progress", "json"];
+        let words =
+            ["t.obj", "--size", "64x48", "--spp", "1048576", "--backend", "bvh", "--progress", "json"];
         command.current_dir(dir).args(words).stderr(std::process::Stdio::piped());
         let mut child = command.spawn().unwrap();
         let mut err = std::io::BufReader::new(child.stderr.take().unwrap());

@@ -10,7 +10,11 @@ const NUMBERS: &[(&str, &[&str], &str)] = &[
     ("--seed", &["-1", "18446744073709551616", "nan", "inf", "", "text"], "from 0 to 18446744073709551615"),
     ("--threads", &["0", "-1", "1000000", "nan", "inf", "", "text"], "from 1 to 1024"),
     ("--exposure", &["inf", "nan", "1e9", "", "text"], "from -64 to 64"),
-    ("--size", &["0x0", "-1x5", "1000000000x1000000000", "4294967296x1", "nanx5", "infx5"], "from 1 to 1048576"),
+    (
+        "--size",
+        &["0x0", "-1x5", "1000000000x1000000000", "4294967296x1", "nanx5", "infx5"],
+        "from 1 to 1048576",
+    ),
     ("--size", &["65536x65536"], "268435456"),
     ("--size", &["", "5", "5x", "text", "5x5x5"], "--size"),
     ("--crop", &["0,0,0,0", "0,0,99999,1", "-1,0,1,1", "nan,0,1,1"], "film.crop"),
@@ -86,7 +90,9 @@ fn help_and_version_answer_on_stdout() {
     let folder = folder();
     let help = drt(folder.path(), &["--help"]);
     help.expect(0, &[]);
-    for word in ["EXAMPLES", "--spp", "EXIT CODES", "gaussian", "conductor", "three-quarter", "sobol", "render"] {
+    for word in
+        ["EXAMPLES", "--spp", "EXIT CODES", "gaussian", "conductor", "three-quarter", "sobol", "render"]
+    {
         assert!(help.out.contains(word), "{word} is not in the help");
     }
     assert!(help.err.is_empty());

@@ -114,7 +114,7 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         ("[film]\nsize = [1000000, 1000000]", 2, 8, &["1000000000000 pixels", "limit of 268435456"]),
         ("[film]\nsize = [1, 2, 3]", 2, 8, &["a list of 2 whole numbers", "not a list of 3"]),
         ("[film]\nfilter = \"gaus\"", 2, 10, &["did you mean \"gaussian\"?"]),
-        ("[film]\nfilter = \"mitchell\"", 2, 10, &["not supported by this version"]),
+        ("[film]\nfilter = { type = \"tent\", sigma = 1 }", 2, 27, &["unknown key \"sigma\" in film.filter"]),
         ("[film]\nfilter = 3", 2, 10, &["a name or a table"]),
         ("[film]\nquantity = \"flux\"", 2, 12, &["not supported by this version"]),
         ("[film]\nsize = [8, 8]\ncrop = [4, 4, 5, 1]", 3, 8, &["inside the 8x8 picture"]),
@@ -130,11 +130,16 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         ("[camera]\nposition = [1, 2]", 2, 12, &["a list of 3 numbers"]),
         ("[[mesh]]\nfiel = \"a\"", 1, 1, &["no file"]),
         ("[[mesh]]\nfile = \"a\"\ntransform = { scale = 0 }", 3, 23, &["must not be 0"]),
-        ("[[mesh]]\nfile = \"a\"\ntransform = { rotate = { axis = [0,0,0], angle = 1 } }", 3, 32, &["no direction"]),
+        (
+            "[[mesh]]\nfile = \"a\"\ntransform = { rotate = { axis = [0,0,0], angle = 1 } }",
+            3,
+            32,
+            &["no direction"],
+        ),
         ("[[mesh]]\nfile = \"a\"\nnormals = \"round\"", 3, 11, &["known: file, flat, smooth"]),
         ("[[mesh]]\nfile = \"a\"\ncrease = 60", 3, 10, &["goes with normals"]),
         ("[materials.x]\ntype = \"difuse\"", 2, 8, &["did you mean \"diffuse\"?"]),
-        ("[materials.x]\ntype = \"phong\"", 2, 8, &["not supported by this version"]),
+        ("[materials.x]\ntype = \"principled\"", 2, 8, &["not supported by this version"]),
         ("[materials.x]\nreflectance = 1.5", 2, 15, &["from 0 to 1"]),
         ("[materials.x]\nreflectance = [0.5, -0.1, 0]", 2, 21, &["from 0 to 1", "not -0.1"]),
         ("[materials.x]\nreflectance = { texture = \"a.png\" }", 2, 15, &["texture is not supported"]),
@@ -143,7 +148,12 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         ("[materials.x]\ntype = \"conductor\"\nmetal = \"gould\"", 3, 9, &["did you mean \"gold\"?"]),
         ("[[light]]\ntype = \"spot\"", 2, 8, &["not supported by this version"]),
         ("[[light]]\ntype = \"point\"\nposition = [0, 0, 0]", 1, 1, &["no intensity"]),
-        ("[[light]]\ntype = \"environment\"\n[[light]]\ntype = \"environment\"", 3, 1, &["second environment"]),
+        (
+            "[[light]]\ntype = \"environment\"\n[[light]]\ntype = \"environment\"",
+            3,
+            1,
+            &["second environment"],
+        ),
         ("[[light]]\ntype = \"environment\"\nradiance = -1", 3, 12, &["from 0 to 1e12"]),
         ("# ä\n[film]\n\"ä\" = 1", 3, 1, &["unknown key"]),
         ("[film\nsize = 1", 1, 6, &[]),
@@ -198,7 +208,8 @@ fn errors_from_the_command_line_blame_the_flag() {
         ("camera.up=[0,0,1]", &["parallel"]),
         ("camera.position=[0,0,0]", &["same point"]),
     ];
-    let text = "[film]\nsize = [8, 8]\n[render]\nspp = 4\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]";
+    let text =
+        "[film]\nsize = [8, 8]\n[render]\nspp = 4\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]";
     for (change, words) in table {
         let e = error(text, &[change]);
         let shown = e.to_string();
@@ -214,9 +225,57 @@ fn any_text_is_read_or_refused() {
     for (end, _) in good.char_indices() {
         let _ = with(&good[..end], &[], |_| ());
     }
-    for text in ["film = 3", "mesh = 1", "mesh = [1]", "light = {}", "materials = []", "camera = \"x\"", "\u{0}", "[[[[["] {
+    for text in [
+        "film = 3",
+        "mesh = 1",
+        "mesh = [1]",
+        "light = {}",
+        "materials = []",
+        "camera = \"x\"",
+        "\u{0}",
+        "[[[[[",
+    ] {
         error(text, &[]);
     }
     // As deep as one likes: the parser stops before the stack does.
     error(&format!("a = {}", "[".repeat(100_000)), &[]);
+}
+
+#[test]
+fn every_registered_model_and_filter_can_be_named() {
+    for (name, _) in crate::bsdf::Bsdf::NAMES {
+        let text = format!("[materials.m]\ntype = \"{name}\"");
+        let base = crate::load::materials::MaterialSpec::diffuse("m", Rgb::ONE);
+        let model = with(&text, &[], |plan| plan.materials["m"].apply(base).unwrap().model.name()).unwrap();
+        assert_eq!(model, *name);
+    }
+    for (name, _) in Filter::NAMES {
+        let shorthand = settings("", &[&format!("film.filter={name}")]).unwrap().filter;
+        let table = settings("", &[&format!("film.filter={{ type = \"{name}\" }}")]).unwrap().filter;
+        assert_eq!((shorthand.name(), shorthand), (*name, table));
+    }
+    for (name, _) in Projection::NAMES {
+        with("", &[&format!("camera.type={name}")], |_| ()).unwrap();
+    }
+}
+
+#[test]
+fn without_a_type_only_the_keys_given_change() {
+    let metal = crate::load::materials::MaterialSpec {
+        model: crate::load::materials::Model::Conductor {
+            reflectance: crate::bsdf::fresnel::Reflectance::Constant(Rgb::splat(0.9)),
+            alpha: 0.04,
+            compensate: true,
+        },
+        emission: Rgb::splat(3.0),
+        ..crate::load::materials::MaterialSpec::diffuse("m", Rgb::ONE)
+    };
+    let patched = |text: &str| with(text, &[], |plan| plan.materials["m"].apply(metal.clone())).unwrap();
+    let changed = patched("[materials.m]\nroughness = 0.5").unwrap();
+    assert_eq!(changed.emission, metal.emission);
+    let crate::load::materials::Model::Conductor { reflectance, alpha, .. } = changed.model else { panic!() };
+    assert_eq!((reflectance.average(), alpha), (Rgb::splat(0.9), 0.25));
+    assert_eq!(patched("[materials.m]\ntype = \"mirror\"").unwrap().model.name(), "mirror");
+    let wrong = patched("[materials.m]\ncompensate = false\nexponent = 3").unwrap_err();
+    assert_eq!((wrong.line, wrong.column), (Some(3), Some(12)));
 }
