@@ -55,11 +55,11 @@ pub struct RenderArgs {
     pub spp: Option<String>,
 
     /// Width and height in pixels, e.g. 1920x1080
-    #[arg(long, value_name = "WxH", help_heading = "Picture", allow_negative_numbers = true)]
+    #[arg(long, value_name = "WxH", help_heading = "Picture", allow_hyphen_values = true)]
     pub size: Option<String>,
 
     /// Render only this part; its pixels are those of the whole picture, bit for bit
-    #[arg(long, value_name = "X,Y,W,H", help_heading = "Picture", allow_negative_numbers = true)]
+    #[arg(long, value_name = "X,Y,W,H", help_heading = "Picture", allow_hyphen_values = true)]
     pub crop: Option<String>,
 
     /// Seed of all random choices, 0 to 2^64-1 (0 by default)
@@ -148,35 +148,40 @@ impl RenderArgs {
     /// `--integrator ao --set render.integrator.distance=2`.
     pub fn overrides(&self) -> Result<Vec<Override>> {
         let mut all: Vec<Override> = Vec::new();
-        let single = [
+        let numbers = [
             ("--spp", "render.spp", &self.spp),
             ("--seed", "render.seed", &self.seed),
             ("--max-depth", "render.max_depth", &self.max_depth),
+        ];
+        for (flag, key, word) in numbers {
+            if let Some(word) = word {
+                all.push(Override::flag(flag, key, word)?);
+            }
+        }
+        let names = [
             ("--integrator", "render.integrator", &self.integrator),
             ("--sampler", "render.sampler", &self.sampler),
             ("--backend", "render.backend", &self.backend),
         ];
-        for (flag, key, word) in single {
-            if let Some(word) = word {
-                all.push(Override::flag(flag, key, word)?);
-            }
+        for (flag, key, name) in names {
+            all.extend(name.as_ref().map(|name| Override::name(flag, key, name)));
         }
         if let Some(size) = &self.size {
             let words: Vec<&str> = size.split(['x', 'X', '×']).collect();
             if words.len() != 2 {
                 return Err(form("--size", size, "WIDTHxHEIGHT, e.g. 1920x1080"));
             }
-            all.push(Override::list("--size", "film.size", words)?);
+            all.push(Override::list("--size", "film.size", words));
         }
         if let Some(crop) = &self.crop {
             let words: Vec<&str> = crop.split(',').collect();
             if words.len() != 4 {
                 return Err(form("--crop", crop, "X,Y,WIDTH,HEIGHT, e.g. 100,50,64,64"));
             }
-            all.push(Override::list("--crop", "film.crop", words)?);
+            all.push(Override::list("--crop", "film.crop", words));
         }
         if let Some(aov) = &self.aov {
-            all.push(Override::list("--aov", "film.aov", aov.split(','))?);
+            all.push(Override::list("--aov", "film.aov", aov.split(',')));
         }
         for text in &self.set {
             all.push(Override::parse(text)?);

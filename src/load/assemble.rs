@@ -223,10 +223,10 @@ fn scene_origin(placements: &[Placement], objects: &[Option<Object>]) -> DVec3 {
         .iter()
         .map(|p| object(p).filter(|_| p.transform == Transform::IDENTITY).map(|o| o.origin))
         .collect();
-    if let Some([first, rest @ ..]) = own.as_deref() {
-        if rest.iter().all(|o| o == first) {
-            return *first;
-        }
+    if let Some([first, rest @ ..]) = own.as_deref()
+        && rest.iter().all(|o| o == first)
+    {
+        return *first;
     }
     let extent = placements.iter().fold(Extent::EMPTY, |sum, p| match object(p) {
         Some(o) => sum.add(&o.mesh.bounds(), o.origin, &p.transform),

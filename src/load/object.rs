@@ -40,7 +40,7 @@ pub(crate) fn read(file: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Resu
     let definitions = resolved.materials.iter().map(Option::as_ref).chain(std::iter::repeat(None));
     let materials = read.material_names.iter().zip(definitions).map(|(name, definition)| {
         let name = String::from_utf8_lossy(name).into_owned();
-        definition.map_or_else(|| MaterialSpec::diffuse(&*name, auto::CLAY), |m| from_mtl(&*name, m))
+        definition.map_or_else(|| MaterialSpec::diffuse(name.as_str(), auto::CLAY), |m| from_mtl(&name, m))
     });
     Ok(Object {
         mesh: read.mesh,

@@ -29,10 +29,8 @@ pub(super) fn read(mut camera: Section<'_>) -> Result<CameraPlan> {
             .error("camera.look_at stands without camera.position")
             .advise("give both, or neither for a camera that frames the scene"));
     }
-    if plan.up == Some(DVec3::ZERO) {
-        if let Some(up) = &up {
-            return Err(up.error("camera.up must have a direction, not [0, 0, 0]"));
-        }
+    if let (Some(DVec3::ZERO), Some(up)) = (plan.up, &up) {
+        return Err(up.error("camera.up must have a direction, not [0, 0, 0]"));
     }
     if let (Some(position), Some(look_at)) = (&position, &look_at) {
         check_view(&plan, position, look_at, up.as_ref())?;

@@ -39,16 +39,22 @@ impl Override {
         Ok(Override { path: key.split('.').map(str::to_string).collect(), value, flag })
     }
 
-    /// The flag `flag` with several words, which stand for the list `key`.
-    ///
-    /// # Errors
-    /// As [`Override::flag`].
-    pub fn list<'w>(flag: &str, key: &str, words: impl IntoIterator<Item = &'w str>) -> Result<Override> {
-        let mut list = Override::flag(flag, key, "")?;
-        let items: Result<Vec<Node>> =
-            words.into_iter().map(|word| parse_flag_value(word, &list.flag)).collect();
-        list.value.value = Value::List(items?);
-        Ok(list)
+    /// The flag `flag` with a name, which stands for the key `key`; a name is text whatever it looks like.
+    pub fn name(flag: &str, key: &str, name: &str) -> Override {
+        Override::value(flag, key, Value::Text(name.to_string()))
+    }
+
+    /// The flag `flag` with several words (names or whole numbers), which stand for the list `key`.
+    pub fn list<'w>(flag: &str, key: &str, words: impl IntoIterator<Item = &'w str>) -> Override {
+        let origin: Arc<str> = flag.into();
+        let item = |word: &str| Node::from_flag(Value::Text(word.trim().to_string()), &origin);
+        Override::value(flag, key, Value::List(words.into_iter().map(item).collect()))
+    }
+
+    fn value(flag: &str, key: &str, value: Value) -> Override {
+        let flag: Arc<str> = flag.into();
+        let path = key.split('.').map(str::to_string).collect();
+        Override { path, value: Node::from_flag(value, &flag), flag }
     }
 
     /// Puts the value into the tree.

@@ -133,7 +133,7 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         (
             "[[mesh]]\nfile = \"a\"\ntransform = { rotate = { axis = [0,0,0], angle = 1 } }",
             3,
-            32,
+            33,
             &["no direction"],
         ),
         ("[[mesh]]\nfile = \"a\"\nnormals = \"round\"", 3, 11, &["known: file, flat, smooth"]),
