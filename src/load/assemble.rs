@@ -17,12 +17,13 @@ use std::sync::Arc;
 
 /// Reads the meshes of `plan` and puts everything in its place. `input`: the file to name in findings.
 pub(super) fn assemble(plan: Plan<'_>, input: &Path, options: &Options<'_>) -> Result<Loaded> {
-    let (files, mut objects) = read_objects(&plan.meshes, options)?;
+    let (mut files, mut objects) = read_objects(&plan.meshes, options)?;
     let mut findings = Findings::default();
     let mut skipped_faces = 0;
     for object in objects.iter_mut().flatten() {
         findings.append(std::mem::take(&mut object.findings));
         skipped_faces += object.skipped_faces;
+        files.paths.append(&mut object.libraries);
     }
     let mut palette = Palette::new(&plan.materials, objects.len());
     let choices: Result<Vec<Choice>> = plan

@@ -2,7 +2,7 @@
 //! `[materials.NAME]` changes key by key before it is built.
 
 use crate::bsdf::fresnel::Reflectance;
-use crate::bsdf::{Bsdf, Conductor, Diffuse, Material, Mirror};
+use crate::bsdf::{Bsdf, Conductor, Dielectric, Diffuse, Material, Mirror, Phong};
 use crate::math::Rgb;
 
 /// A material before it is built.
@@ -24,6 +24,8 @@ pub(crate) enum Model {
     Diffuse { reflectance: Rgb },
     Mirror { reflectance: Rgb },
     Conductor { reflectance: Reflectance, alpha: f32, compensate: bool },
+    Phong { diffuse: Rgb, specular: Rgb, exponent: f32 },
+    Dielectric { ior: f32, tint: Rgb },
 }
 
 impl Model {
@@ -33,6 +35,8 @@ impl Model {
             Model::Diffuse { .. } => "diffuse",
             Model::Mirror { .. } => "mirror",
             Model::Conductor { .. } => "conductor",
+            Model::Phong { .. } => "phong",
+            Model::Dielectric { .. } => "dielectric",
         }
     }
 }
@@ -52,6 +56,10 @@ impl MaterialSpec {
             Model::Conductor { reflectance, alpha, compensate } => {
                 Bsdf::Conductor(Conductor::new(reflectance, alpha, compensate))
             }
+            Model::Phong { diffuse, specular, exponent } => {
+                Bsdf::Phong(Phong::new(diffuse, specular, exponent))
+            }
+            Model::Dielectric { ior, tint } => Bsdf::Dielectric(Dielectric { ior, tint }),
         };
         Material { name: self.name, bsdf, emission: self.emission, two_sided: self.two_sided }
     }

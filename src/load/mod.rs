@@ -59,7 +59,7 @@ pub struct Loaded {
     pub findings: Findings,
     /// Faces left out because something is wrong with them.
     pub skipped_faces: u64,
-    /// The mesh files that were read.
+    /// The mesh files and material libraries that were read.
     pub files: Vec<PathBuf>,
 }
 

@@ -5,7 +5,7 @@
 
 use crate::error::{Error, Result};
 use std::fs::{File, OpenOptions};
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 /// Opens the regular file `path` for reading, and tells its length in bytes.
 ///
@@ -32,4 +32,84 @@ pub fn open_regular(path: &Path) -> Result<(File, u64)> {
             .advise("pipes and devices are not read; write the data to a file first"));
     }
     Ok((file, about.len()))
+}
+
+/// A path of the bytes that a file states.
+pub fn path_from_bytes(bytes: &[u8]) -> PathBuf {
+    #[cfg(unix)]
+    {
+        use std::os::unix::ffi::OsStrExt;
+        PathBuf::from(std::ffi::OsStr::from_bytes(bytes))
+    }
+    #[cfg(not(unix))]
+    PathBuf::from(String::from_utf8_lossy(bytes).into_owned())
+}
+
+/// How a stated name led to a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Match {
+    /// As stated.
+    Exact,
+    /// Upper and lower case differ.
+    OtherCase,
+    /// A file of that name, without the stated folders, next to the file that states it.
+    OtherFolder,
+}
+
+/// A file that a stated name led to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Found {
+    /// Where it is. It exists; that it is a regular file is for [`open_regular`] to say.
+    pub path: PathBuf,
+    /// How it was found; anything but [`Match::Exact`] deserves a warning.
+    pub how: Match,
+}
+
+/// Looks for the file that a scene in `folder` calls `name`: `\` counts as `/`; a Windows path with a drive
+/// or server is looked for by its last part.
+pub fn find(folder: &Path, name: &[u8]) -> Option<Found> {
+    let name: Vec<u8> = name.iter().map(|&b| if b == b'\\' { b'/' } else { b }).collect();
+    let foreign =
+        matches!(*name.as_slice(), [b'a'..=b'z' | b'A'..=b'Z', b':', ..]) || name.starts_with(b"//");
+    if name.is_empty() || name.contains(&0) {
+        return None;
+    }
+    if !foreign {
+        let path = folder.join(path_from_bytes(&name));
+        if path.exists() {
+            return Some(Found { path, how: Match::Exact });
+        }
+        if let Some(path) = find_in_any_case(folder, &path_from_bytes(&name)) {
+            return Some(Found { path, how: Match::OtherCase });
+        }
+    }
+    let last =
+        name.rsplit(|&b| b == b'/').next().filter(|last| !last.is_empty() && last.len() < name.len())?;
+    let last = path_from_bytes(last);
+    let beside = folder.join(&last);
+    let path = if beside.exists() { Some(beside) } else { find_in_any_case(folder, &last) };
+    path.map(|path| Found { path, how: Match::OtherFolder })
+}
+
+/// Walks `name` from `folder`, taking the alphabetically first entry that differs in case where none fits.
+fn find_in_any_case(folder: &Path, name: &Path) -> Option<PathBuf> {
+    let mut path = folder.to_path_buf();
+    for component in name.components() {
+        let next = path.join(component);
+        let Component::Normal(wanted) = component else {
+            path = next;
+            continue;
+        };
+        if next.exists() {
+            path = next;
+            continue;
+        }
+        let wanted = wanted.to_string_lossy().to_lowercase();
+        let listed = if path.as_os_str().is_empty() { Path::new(".") } else { path.as_path() };
+        let entries = std::fs::read_dir(listed).ok()?;
+        let names = entries.filter_map(|entry| Some(entry.ok()?.file_name()));
+        let fitting = names.filter(|name| name.to_string_lossy().to_lowercase() == wanted).min()?;
+        path = path.join(fitting);
+    }
+    Some(path)
 }

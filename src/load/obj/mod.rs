@@ -32,7 +32,7 @@ mod corners;
 mod faces;
 mod memory;
 mod notes;
-mod number;
+pub(super) mod number;
 mod parse;
 mod recenter;
 mod source;

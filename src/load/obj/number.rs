@@ -17,7 +17,7 @@ const POWERS_OF_TEN: [f64; 23] = [
 
 /// A number in a text.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Number {
+pub(in crate::load) struct Number {
     /// The f64 nearest to the decimal.
     pub value: f64,
     /// Where its text starts.
@@ -28,7 +28,7 @@ pub(super) struct Number {
 
 /// Reads the number that starts at `start`; `None` when there is none.
 #[inline]
-pub(super) fn number(text: &[u8], start: usize) -> Option<Number> {
+pub(in crate::load) fn number(text: &[u8], start: usize) -> Option<Number> {
     let mut at = start;
     let negative = match text.get(at)? {
         b'-' => {

@@ -54,7 +54,7 @@ impl<'a, R: Read> Source<'a, R> {
 
     /// Up to `count` blocks (none at the end of the file), and why there will be no more of them.
     pub fn next_blocks(&mut self, count: usize) -> (Vec<Vec<u8>>, Option<Stop>) {
-        let mut blocks = Vec::with_capacity(count);
+        let mut blocks = Vec::new();
         while blocks.len() < count {
             match self.next_block() {
                 Ok(Some(block)) => blocks.push(block),

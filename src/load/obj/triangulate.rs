@@ -256,15 +256,49 @@ impl Grid {
         Ok(())
     }
 
-    fn column_row(&self, point: DVec2) -> (usize, usize) {
-        let cell = (point - self.low) * self.cells_per_unit;
-        let clamp = |x: f64| (x as usize).min(self.side - 1);
-        (clamp(cell.x), clamp(cell.y))
+    /// In units of cells.
+    fn scaled(&self, point: DVec2) -> DVec2 {
+        (point - self.low) * self.cells_per_unit
+    }
+
+    /// The column or row of a scaled coordinate.
+    fn clamp(&self, x: f64) -> usize {
+        (x as usize).min(self.side - 1)
     }
 
     fn cell(&self, point: DVec2) -> usize {
-        let (column, row) = self.column_row(point);
-        row * self.side + column
+        let scaled = self.scaled(point);
+        self.clamp(scaled.y) * self.side + self.clamp(scaled.x)
+    }
+
+    /// The columns that a scaled triangle covers in a row: long thin ears cover few cells of their box.
+    fn columns(&self, triangle: [DVec2; 3], row: usize) -> std::ops::RangeInclusive<usize> {
+        let [a, b, c] = triangle;
+        let last = row + 1 == self.side;
+        let (bottom, top) = (row as f64, if last { f64::INFINITY } else { row as f64 + 1.0 });
+        let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (p, q) in [(a, b), (b, c), (c, a)] {
+            let (low, high) = if p.y <= q.y { (p, q) } else { (q, p) };
+            if high.y < bottom || low.y > top {
+                continue;
+            }
+            for y in [low.y.max(bottom), high.y.min(top)] {
+                let x = if high.y > low.y {
+                    low.x + (high.x - low.x) * ((y - low.y) / (high.y - low.y))
+                } else {
+                    low.x
+                };
+                left = left.min(x);
+                right = right.max(x);
+            }
+            if high.y == low.y {
+                left = left.min(high.x);
+                right = right.max(high.x);
+            }
+        }
+        // Far more than the rounding of coordinates below 2048.
+        const MARGIN: f64 = 1e-9;
+        self.clamp(left - MARGIN)..=self.clamp(right + MARGIN)
     }
 
     /// Whether a corner that is still reflex lies in the counter-clockwise triangle or on its edge,
@@ -277,10 +311,12 @@ impl Grid {
         budget: &mut u64,
     ) -> bool {
         let [a, b, c] = triangle;
-        let (first_column, first_row) = self.column_row(a.min(b).min(c));
-        let (last_column, last_row) = self.column_row(a.max(b).max(c));
+        let scaled = triangle.map(|p| self.scaled(p));
+        let heights = scaled.map(|p| self.clamp(p.y));
+        let (first_row, last_row) =
+            (heights.into_iter().min().unwrap_or(0), heights.into_iter().max().unwrap_or(0));
         for row in first_row..=last_row {
-            for column in first_column..=last_column {
+            for column in self.columns(scaled, row) {
                 let (start, length) = &mut self.cells[row * self.side + column];
                 *budget = budget.saturating_sub(1 + u64::from(*length));
                 let mut i = *start;

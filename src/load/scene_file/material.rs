@@ -14,13 +14,24 @@ pub(crate) struct MaterialPatch<'t> {
     /// The table, for findings and errors.
     pub field: Field<'t>,
     /// The model that replaces another; without it the keys change what is there.
-    model: Option<&'static str>,
-    reflectance: Option<(Field<'t>, Rgb)>,
-    index: Option<(Field<'t>, [Rgb; 2])>,
-    alpha: Option<(Field<'t>, f32)>,
-    compensate: Option<(Field<'t>, bool)>,
+    model: Option<Model>,
+    changes: Vec<(Field<'t>, Change)>,
     emission: Option<Rgb>,
     two_sided: Option<bool>,
+}
+
+/// A key of a model with its value.
+#[derive(Clone, Copy)]
+enum Change {
+    Reflectance(Rgb),
+    Index { eta: Rgb, k: Rgb },
+    Alpha(f32),
+    Compensate(bool),
+    Diffuse(Rgb),
+    Specular(Rgb),
+    Exponent(f32),
+    Ior(f32),
+    Tint(Rgb),
 }
 
 /// Reads every material by name.
@@ -30,31 +41,49 @@ pub(super) fn read_all<'t>(field: &Field<'t>) -> Result<BTreeMap<String, Materia
 }
 
 fn read(field: Field<'_>) -> Result<MaterialPatch<'_>> {
-    const LATER: &[&str] = &["phong", "dielectric", "principled", "translucent"];
+    const LATER: &[&str] = &["principled", "translucent"];
     let mut table = field.section()?;
-    let model = table.read("type", |f| f.word(LATER, model_name))?;
-    table.not_yet(&["opacity", "normal_map", "bump"])?;
-    let reflectance = with_field(&mut table, "reflectance", |f| f.color(SHARE))?;
-    let index = index(&mut table)?;
-    let alpha = alpha(&mut table)?;
-    let compensate = with_field(&mut table, "compensate", |f| f.bool())?;
+    let model = table.read("type", |f| f.word(LATER, usual))?;
+    table.not_yet(&["opacity", "normal_map", "bump", "base_color", "metallic"])?;
+    let changes = [
+        change(&mut table, "reflectance", |f| f.color(SHARE).map(Change::Reflectance))?,
+        index(&mut table)?,
+        alpha(&mut table)?,
+        change(&mut table, "compensate", |f| f.bool().map(Change::Compensate))?,
+        change(&mut table, "diffuse", |f| f.color(SHARE).map(Change::Diffuse))?,
+        change(&mut table, "specular", |f| f.color(SHARE).map(Change::Specular))?,
+        change(&mut table, "exponent", |f| f.number(0.0..=1e6).map(|n| Change::Exponent(n as f32)))?,
+        change(&mut table, "ior", |f| f.number(0.1..=10.0).map(|n| Change::Ior(n as f32)))?,
+        change(&mut table, "tint", |f| f.color(SHARE).map(Change::Tint))?,
+    ];
     let emission = table.read("emission", |f| f.color(LIGHT))?;
     let two_sided = table.read("two_sided", |f| f.bool())?;
-    if model.is_none() {
-        // Keys of models to come, given to a material whose model is not known here.
-        table.not_yet(&["diffuse", "specular", "exponent", "ior", "tint", "base_color", "metallic"])?;
-    }
     table.finish()?;
-    if let (Some((reflectance, _)), Some((index, _))) = (&reflectance, &index) {
-        let (a, b) = (reflectance.name(), index.name());
-        return Err(index.error(format!("{a} and {b} exclude each other")).advise("give one of them"));
+    let changes: Vec<(Field<'_>, Change)> = changes.into_iter().flatten().collect();
+    let of = |wanted: fn(&Change) -> bool| changes.iter().find(|(_, c)| wanted(c)).map(|(f, _)| f);
+    if let (Some(a), Some(b)) =
+        (of(|c| matches!(c, Change::Reflectance(_))), of(|c| matches!(c, Change::Index { .. })))
+    {
+        let names = (a.name(), b.name());
+        return Err(b
+            .error(format!("{} and {} exclude each other", names.0, names.1))
+            .advise("give one of them"));
     }
-    let patch = MaterialPatch { field, model, reflectance, index, alpha, compensate, emission, two_sided };
-    if model.is_some() {
+    let patch = MaterialPatch { field, model, changes, emission, two_sided };
+    if patch.model.is_some() {
         // The model is known, so its keys are checked before any mesh is read.
         patch.apply(MaterialSpec::diffuse("", Rgb::ONE))?;
     }
     Ok(patch)
+}
+
+/// The key `key` of a model, where it is there.
+fn change<'t>(
+    table: &mut Section<'t>,
+    key: &'static str,
+    how: impl FnOnce(&Field<'t>) -> Result<Change>,
+) -> Result<Option<(Field<'t>, Change)>> {
+    with_field(table, key, how)
 }
 
 fn with_field<'t, T>(
@@ -65,21 +94,34 @@ fn with_field<'t, T>(
     table.read(key, |f| how(&f).map(|value| (f, value)))
 }
 
-fn model_name(word: &str) -> Result<&'static str> {
-    Bsdf::NAMES.iter().map(|n| n.0).find(|name| *name == word).ok_or_else(|| {
-        let known: Vec<&str> = Bsdf::NAMES.iter().map(|n| n.0).collect();
-        Error::new(format!("unknown material type \"{word}\"")).advise(unknown_word_advice(word, &known))
-    })
+/// The model of that name with its usual numbers.
+fn usual(name: &str) -> Result<Model> {
+    match name {
+        "diffuse" => Ok(Model::Diffuse { reflectance: Rgb::splat(0.5) }),
+        "mirror" => Ok(Model::Mirror { reflectance: Rgb::ONE }),
+        "conductor" => Ok(Model::Conductor {
+            reflectance: Reflectance::Constant(Rgb::ONE),
+            alpha: 0.0,
+            compensate: true,
+        }),
+        "phong" => Ok(Model::Phong { diffuse: Rgb::splat(0.5), specular: Rgb::splat(0.25), exponent: 32.0 }),
+        "dielectric" => Ok(Model::Dielectric { ior: 1.5, tint: Rgb::ONE }),
+        _ => {
+            let known: Vec<&str> = Bsdf::NAMES.iter().map(|n| n.0).collect();
+            Err(Error::new(format!("unknown material type \"{name}\""))
+                .advise(unknown_word_advice(name, &known)))
+        }
+    }
 }
 
 /// `eta` and `k`, or `metal`.
-fn index<'t>(table: &mut Section<'t>) -> Result<Option<(Field<'t>, [Rgb; 2])>> {
+fn index<'t>(table: &mut Section<'t>) -> Result<Option<(Field<'t>, Change)>> {
     let eta = with_field(table, "eta", |f| f.color(0.0..=100.0))?;
     let k = with_field(table, "k", |f| f.color(0.0..=100.0))?;
     let metal = with_field(table, "metal", |f| f.word(&[], metal))?;
     match (eta, k, metal) {
         (None, None, metal) => Ok(metal),
-        (Some((field, eta)), Some((_, k)), None) => Ok(Some((field, [eta, k]))),
+        (Some((field, eta)), Some((_, k)), None) => Ok(Some((field, Change::Index { eta, k }))),
         (Some((field, _)), _, Some(_)) | (_, Some((field, _)), Some(_)) => Err(field
             .error(format!("{} and metal exclude each other", field.name()))
             .advise("give one of them")),
@@ -88,18 +130,19 @@ fn index<'t>(table: &mut Section<'t>) -> Result<Option<(Field<'t>, [Rgb; 2])>> {
     }
 }
 
-fn metal(word: &str) -> Result<[Rgb; 2]> {
+fn metal(word: &str) -> Result<Change> {
     let found = METALS.iter().find(|m| m.0 == word);
-    found.map(|m| [Rgb::from(m.1), Rgb::from(m.2)]).ok_or_else(|| {
+    found.map(|m| Change::Index { eta: Rgb::from(m.1), k: Rgb::from(m.2) }).ok_or_else(|| {
         let known: Vec<&str> = METALS.iter().map(|m| m.0).collect();
         Error::new(format!("unknown metal \"{word}\"")).advise(unknown_word_advice(word, &known))
     })
 }
 
 /// GGX α: as it is, or as the square of `roughness`.
-fn alpha<'t>(table: &mut Section<'t>) -> Result<Option<(Field<'t>, f32)>> {
-    let roughness = with_field(table, "roughness", |f| f.number(SHARE).map(|r| (r * r) as f32))?;
-    let alpha = with_field(table, "alpha", |f| f.number(SHARE).map(|a| a as f32))?;
+fn alpha<'t>(table: &mut Section<'t>) -> Result<Option<(Field<'t>, Change)>> {
+    let square = |f: &Field<'t>| f.number(SHARE).map(|r| Change::Alpha((r * r) as f32));
+    let roughness = change(table, "roughness", square)?;
+    let alpha = change(table, "alpha", |f| f.number(SHARE).map(|a| Change::Alpha(a as f32)))?;
     match (roughness, alpha) {
         (Some(_), Some((alpha, _))) => Err(alpha
             .error(format!("{} and roughness both set the width", alpha.name()))
@@ -114,55 +157,39 @@ impl MaterialPatch<'_> {
     /// # Errors
     /// A key that the model has not.
     pub fn apply(&self, mut base: MaterialSpec) -> Result<MaterialSpec> {
-        if let Some(name) = self.model {
-            base.model = self.usual(name)?;
-        }
-        let not_for = |field: &Field<'_>, model: &Model| {
-            let what = field.name().to_string();
-            Err(field.error(format!("{what} is no key of a {} material", model.name())))
-        };
-        if let Some((_, value)) = &self.reflectance {
-            match &mut base.model {
-                Model::Diffuse { reflectance } | Model::Mirror { reflectance } => *reflectance = *value,
-                Model::Conductor { reflectance, .. } => *reflectance = Reflectance::Constant(*value),
-            }
-        }
-        if let Some((field, [eta, k])) = &self.index {
-            match &mut base.model {
-                Model::Conductor { reflectance, .. } => {
-                    *reflectance = Reflectance::Index { eta: *eta, k: *k }
-                }
-                other => return not_for(field, other),
-            }
-        }
-        if let Some((field, value)) = &self.alpha {
-            match &mut base.model {
-                Model::Conductor { alpha, .. } => *alpha = *value,
-                other => return not_for(field, other),
-            }
-        }
-        if let Some((field, value)) = &self.compensate {
-            match &mut base.model {
-                Model::Conductor { compensate, .. } => *compensate = *value,
-                other => return not_for(field, other),
+        base.model = self.model.unwrap_or(base.model);
+        for (field, change) in &self.changes {
+            if !set(&mut base.model, change) {
+                let (key, model) = (field.name(), base.model.name());
+                return Err(field.error(format!("{key} is no key of a {model} material")));
             }
         }
         base.emission = self.emission.unwrap_or(base.emission);
         base.two_sided = self.two_sided.unwrap_or(base.two_sided);
         Ok(base)
     }
+}
 
-    /// The model `name` with its usual numbers.
-    fn usual(&self, name: &str) -> Result<Model> {
-        match name {
-            "diffuse" => Ok(Model::Diffuse { reflectance: Rgb::splat(0.5) }),
-            "mirror" => Ok(Model::Mirror { reflectance: Rgb::ONE }),
-            "conductor" => Ok(Model::Conductor {
-                reflectance: Reflectance::Constant(Rgb::ONE),
-                alpha: 0.0,
-                compensate: true,
-            }),
-            _ => Err(self.field.error(format!("material type \"{name}\" is not supported by this version"))),
+/// Changes one number of a model; false where the model has no such number.
+fn set(model: &mut Model, change: &Change) -> bool {
+    match (change, model) {
+        (Change::Reflectance(r), Model::Diffuse { reflectance } | Model::Mirror { reflectance }) => {
+            *reflectance = *r;
         }
+        (Change::Reflectance(r), Model::Conductor { reflectance, .. }) => {
+            *reflectance = Reflectance::Constant(*r);
+        }
+        (Change::Index { eta, k }, Model::Conductor { reflectance, .. }) => {
+            *reflectance = Reflectance::Index { eta: *eta, k: *k };
+        }
+        (Change::Alpha(a), Model::Conductor { alpha, .. }) => *alpha = *a,
+        (Change::Compensate(c), Model::Conductor { compensate, .. }) => *compensate = *c,
+        (Change::Diffuse(d), Model::Phong { diffuse, .. }) => *diffuse = *d,
+        (Change::Specular(s), Model::Phong { specular, .. }) => *specular = *s,
+        (Change::Exponent(n), Model::Phong { exponent, .. }) => *exponent = *n,
+        (Change::Ior(n), Model::Dielectric { ior, .. }) => *ior = *n,
+        (Change::Tint(t), Model::Dielectric { tint, .. }) => *tint = *t,
+        _ => return false,
     }
+    true
 }

@@ -1,1 +1,281 @@
+use super::*;
+use crate::camera::Projection;
+use crate::error::Blame;
+use crate::film::{Aov, Filter};
+use crate::load::framing::Lens;
+use crate::load::place::NormalsMode;
+use crate::math::{DVec3, Rgb};
+use crate::scene::IntegratorKind;
 
+const FILE: &str = "dir/scene.toml";
+
+/// Reads `text` with `changes` put in and hands the plan to `look`.
+fn with<T>(text: &str, changes: &[&str], look: impl FnOnce(Plan<'_>) -> T) -> Result<T> {
+    let mut tree = tree::parse(text, Path::new(FILE))?;
+    for change in changes {
+        Override::parse(change)?.apply(&mut tree)?;
+    }
+    read(&tree, Path::new(FILE), Path::new("dir"), Settings::default()).map(look)
+}
+
+fn settings(text: &str, changes: &[&str]) -> Result<Settings> {
+    with(text, changes, |plan| plan.settings)
+}
+
+fn error(text: &str, changes: &[&str]) -> Error {
+    with(text, changes, |_| ()).expect_err(text)
+}
+
+#[test]
+fn everything_in_its_section_arrives() {
+    let text = r#"
+[camera]
+type = "orthographic"
+position = [1, 2, 3]
+look_at = [0, 0, 0]
+height = 2.5
+aperture = 0.25
+focus_distance = 3
+[film]
+size = [320, 200]
+filter = { type = "gaussian", radius = 2 }
+crop = [10, 20, 30, 40]
+aov = ["depth", "ids", "depth"]
+[render]
+integrator = { type = "ao", distance = 2.0 }
+lights = "light"
+roulette = false
+spp = 7
+max_depth = 0
+seed = "18446744073709551615"
+sampler = "random"
+backend = "bvh"
+build = "high"
+compact = true
+[[mesh]]
+file = "a.obj"
+material = "red"
+normals = "smooth"
+crease = 60
+transform = { scale = 2, translate = [1, 0, 0] }
+[[mesh]]
+file = "/b.obj"
+[materials.red]
+type = "diffuse"
+reflectance = [0.5, 0, 0]
+emission = 2
+two_sided = false
+[[light]]
+type = "environment"
+radiance = 0.5
+[[light]]
+type = "point"
+position = [1e6, 0, 0]
+intensity = [1, 2, 3]
+"#;
+    with(text, &[], |plan| {
+        assert_eq!(plan.camera.projection, Projection::Orthographic);
+        assert_eq!(plan.camera.position, Some(DVec3::new(1.0, 2.0, 3.0)));
+        assert_eq!(plan.camera.lens, Lens::Height(2.5));
+        assert_eq!((plan.camera.aperture, plan.camera.focus_distance), (0.25, Some(3.0)));
+        let s = &plan.settings;
+        assert_eq!((s.size, s.crop), ([320, 200], Some([10, 20, 30, 40])));
+        assert_eq!(s.filter, Filter::Gaussian { sigma: 0.5, radius: 2.0 });
+        assert_eq!(s.aovs, [Aov::Depth, Aov::Ids]);
+        assert_eq!(s.integrator, IntegratorKind::Ao { distance: 2.0 });
+        assert_eq!((s.roulette, s.spp, s.max_depth, s.seed, s.compact), (false, 7, 0, u64::MAX, true));
+        assert_eq!(plan.meshes[0].file, Path::new("dir/a.obj"));
+        assert_eq!(plan.meshes[1].file, Path::new("/b.obj"));
+        assert_eq!(plan.meshes[0].normals, NormalsMode::Smooth { crease: 60.0 });
+        assert_eq!(plan.lights[0], LightPlan::Constant(Rgb::splat(0.5)));
+        let red = plan.materials["red"].apply(crate::load::materials::MaterialSpec::diffuse("red", Rgb::ONE));
+        let red = red.unwrap();
+        assert_eq!((red.emission, red.two_sided), (Rgb::splat(2.0), false));
+    })
+    .unwrap();
+}
+
+/// Text, line, column, and words that the message must hold.
+#[test]
+fn every_error_has_its_line_and_column_and_says_what_is_possible() {
+    let table: &[(&str, u64, u64, &[&str])] = &[
+        ("[film]\nsiez = [1, 1]", 2, 1, &["unknown key \"siez\" in film", "did you mean \"size\"?"]),
+        ("[flim]\n", 1, 2, &["unknown key \"flim\"", "did you mean \"film\"?"]),
+        ("[render]\nspp = 0", 2, 7, &["render.spp", "from 1 to 1048576", "not 0"]),
+        ("[render]\nspp = 1.5", 2, 7, &["whole number", "not 1.5"]),
+        ("[render]\n  max_depth = 65536", 2, 15, &["from 0 to 65535"]),
+        ("[render]\nseed = -1", 2, 8, &["not -1"]),
+        ("[render]\nseed = 18446744073709551616", 2, 8, &["render.seed"]),
+        ("[render]\nroulette = 1", 2, 12, &["true or false"]),
+        ("[render]\nsampler = \"sobel\"", 2, 11, &["did you mean \"sobol\"?"]),
+        ("[render]\nsampler = \"halton\"", 2, 11, &["not supported by this version"]),
+        ("[render]\nintegrator = { type = \"path\", distance = 1 }", 2, 30, &["unknown key \"distance\""]),
+        ("[film]\nsize = [0, 10]", 2, 9, &["film.size.0", "from 1 to"]),
+        ("[film]\nsize = [1000000, 1000000]", 2, 8, &["1000000000000 pixels", "limit of 268435456"]),
+        ("[film]\nsize = [1, 2, 3]", 2, 8, &["a list of 2 whole numbers", "not a list of 3"]),
+        ("[film]\nfilter = \"gaus\"", 2, 10, &["did you mean \"gaussian\"?"]),
+        ("[film]\nfilter = { type = \"tent\", sigma = 1 }", 2, 27, &["unknown key \"sigma\" in film.filter"]),
+        ("[film]\nfilter = 3", 2, 10, &["a name or a table"]),
+        ("[film]\nquantity = \"flux\"", 2, 12, &["not supported by this version"]),
+        ("[film]\nsize = [8, 8]\ncrop = [4, 4, 5, 1]", 3, 8, &["inside the 8x8 picture"]),
+        ("[camera]\nfov = 0", 2, 7, &["from 0.001 to 179.9"]),
+        ("[camera]\nfov = nan", 2, 7, &["not NaN"]),
+        ("[camera]\nheight = 1", 2, 10, &["orthographic"]),
+        ("[camera]\nshutter = [0, 1]", 2, 11, &["not supported by this version"]),
+        ("[camera]\ntype = \"panorama\"", 2, 8, &["not supported by this version"]),
+        ("[camera]\nposition = [1, 1, 1]\nlook_at = [1, 1, 1]", 2, 12, &["same point"]),
+        ("[camera]\nup = [0, 0, 2]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]", 2, 6, &["parallel"]),
+        ("[camera]\nlook_at = [0, 0, 0]", 2, 11, &["without camera.position"]),
+        ("[camera]\nplane = { left = -1, right = 1, top = 1 }", 2, 9, &["no bottom"]),
+        ("[camera]\nposition = [1, 2]", 2, 12, &["a list of 3 numbers"]),
+        ("[[mesh]]\nfiel = \"a\"", 1, 1, &["no file"]),
+        ("[[mesh]]\nfile = \"a\"\ntransform = { scale = 0 }", 3, 23, &["must not be 0"]),
+        (
+            "[[mesh]]\nfile = \"a\"\ntransform = { rotate = { axis = [0,0,0], angle = 1 } }",
+            3,
+            32,
+            &["no direction"],
+        ),
+        ("[[mesh]]\nfile = \"a\"\nnormals = \"round\"", 3, 11, &["known: file, flat, smooth"]),
+        ("[[mesh]]\nfile = \"a\"\ncrease = 60", 3, 10, &["goes with normals"]),
+        ("[materials.x]\ntype = \"difuse\"", 2, 8, &["did you mean \"diffuse\"?"]),
+        ("[materials.x]\ntype = \"principled\"", 2, 8, &["not supported by this version"]),
+        ("[materials.x]\nreflectance = 1.5", 2, 15, &["from 0 to 1"]),
+        ("[materials.x]\nreflectance = [0.5, -0.1, 0]", 2, 21, &["from 0 to 1", "not -0.1"]),
+        ("[materials.x]\nreflectance = { texture = \"a.png\" }", 2, 15, &["texture is not supported"]),
+        ("[materials.x]\ntype = \"diffuse\"\nroughness = 0.5", 3, 13, &["no key of a diffuse material"]),
+        ("[materials.x]\ntype = \"conductor\"\neta = 1", 3, 7, &["needs k"]),
+        ("[materials.x]\ntype = \"conductor\"\nmetal = \"gould\"", 3, 9, &["did you mean \"gold\"?"]),
+        ("[[light]]\ntype = \"spot\"", 2, 8, &["not supported by this version"]),
+        ("[[light]]\ntype = \"point\"\nposition = [0, 0, 0]", 1, 1, &["no intensity"]),
+        (
+            "[[light]]\ntype = \"environment\"\n[[light]]\ntype = \"environment\"",
+            3,
+            1,
+            &["second environment"],
+        ),
+        ("[[light]]\ntype = \"environment\"\nradiance = -1", 3, 12, &["from 0 to 1e12"]),
+        ("# ä\n[film]\n\"ä\" = 1", 3, 1, &["unknown key"]),
+        ("[film\nsize = 1", 1, 6, &[]),
+        ("[film]\nsize = [1, 1]\nsize = [2, 2]", 3, 1, &["duplicate"]),
+    ];
+    for (text, line, column, words) in table {
+        let e = error(text, &[]);
+        let shown = e.to_string();
+        assert_eq!((e.line, e.column), (Some(*line), Some(*column)), "{text}\n{shown}");
+        assert_eq!((e.blame, e.file.as_deref()), (Blame::Work, Some(Path::new(FILE))), "{text}");
+        for word in *words {
+            assert!(shown.contains(word), "{text}\n{shown}\nlacks {word}");
+        }
+    }
+}
+
+#[test]
+fn set_refines_shorthands_and_makes_what_is_missing() {
+    let filter = |text: &str, changes: &[&str]| settings(text, changes).unwrap().filter;
+    let gaussian = |sigma, radius| Filter::Gaussian { sigma, radius };
+    assert_eq!(filter("", &["film.filter=gaussian"]), gaussian(0.5, 1.5));
+    assert_eq!(filter("[film]\nfilter = \"gaussian\"", &["film.filter.radius=2"]), gaussian(0.5, 2.0));
+    assert_eq!(filter("", &["film.filter=\"gaussian\"", "film.filter.sigma = 1"]), gaussian(1.0, 1.5));
+    assert_eq!(filter("", &["film.filter={ type = 'gaussian', radius = 3 }"]), gaussian(0.5, 3.0));
+    assert_eq!(filter("", &["film.filter.radius=1"]), Filter::Box { radius: 1.0 });
+    assert_eq!(settings("[render]\nspp = 3", &["render.spp=5", "render.spp=9"]).unwrap().spp, 9);
+    let text = "[[light]]\ntype = \"environment\"\nradiance = 1";
+    let light = |change: &str| with(text, &[change], |plan| plan.lights).unwrap();
+    assert_eq!(light("light.0.radiance=[1, 2, 3]"), [LightPlan::Constant(Rgb::new(1.0, 2.0, 3.0))]);
+    assert_eq!(light("light.0.scale=2"), [LightPlan::Constant(Rgb::splat(2.0))]);
+    let added = with("", &["light.0.type=environment", "light.0.radiance=3"], |plan| plan.lights).unwrap();
+    assert_eq!(added, [LightPlan::Constant(Rgb::splat(3.0))]);
+    let material = with("", &["materials.\"a.b\".emission=4"], |plan| plan.materials.into_keys().next());
+    assert_eq!(material.unwrap().as_deref(), Some("a.b"));
+}
+
+#[test]
+fn errors_from_the_command_line_blame_the_flag() {
+    let table: &[(&str, &[&str])] = &[
+        ("render.spp=0", &["--set render.spp: ", "from 1 to 1048576", "not 0"]),
+        ("render.spp=many", &["not \"many\""]),
+        ("render.ssp=4", &["--set render.ssp", "did you mean \"spp\"?"]),
+        ("rendr.spp=4", &["did you mean \"render\"?"]),
+        ("film.size.0=x", &["film.size.0"]),
+        ("film.size.7=3", &["a list of 2", "no \"7\""]),
+        ("film.size.x=3", &["no \"x\""]),
+        ("render.spp.deep=3", &["has no keys"]),
+        ("spp", &["KEY=VALUE"]),
+        ("=3", &["KEY=VALUE"]),
+        ("a..b=3", &["KEY=VALUE"]),
+        ("film.size=[1, 2", &["--set film.size"]),
+        ("camera.up=[0,0,1]", &["parallel"]),
+        ("camera.position=[0,0,0]", &["same point"]),
+    ];
+    let text =
+        "[film]\nsize = [8, 8]\n[render]\nspp = 4\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]";
+    for (change, words) in table {
+        let e = error(text, &[change]);
+        let shown = e.to_string();
+        assert_eq!((e.blame, e.line), (Blame::Usage, None), "{change}: {shown}");
+        assert!(words.iter().all(|word| shown.contains(word)), "{change}: {shown}");
+        assert!(!shown.contains('\n'));
+    }
+}
+
+#[test]
+fn any_text_is_read_or_refused() {
+    let good = "[camera]\nfov = 40\n[film]\nsize = [64, 64]\n[[mesh]]\nfile = \"ä.obj\"\n[materials.a]\nemission = 1\n";
+    for (end, _) in good.char_indices() {
+        let _ = with(&good[..end], &[], |_| ());
+    }
+    for text in [
+        "film = 3",
+        "mesh = 1",
+        "mesh = [1]",
+        "light = {}",
+        "materials = []",
+        "camera = \"x\"",
+        "\u{0}",
+        "[[[[[",
+    ] {
+        error(text, &[]);
+    }
+    // As deep as one likes: the parser stops before the stack does.
+    error(&format!("a = {}", "[".repeat(100_000)), &[]);
+}
+
+#[test]
+fn every_registered_model_and_filter_can_be_named() {
+    for (name, _) in crate::bsdf::Bsdf::NAMES {
+        let text = format!("[materials.m]\ntype = \"{name}\"");
+        let base = crate::load::materials::MaterialSpec::diffuse("m", Rgb::ONE);
+        let model = with(&text, &[], |plan| plan.materials["m"].apply(base).unwrap().model.name()).unwrap();
+        assert_eq!(model, *name);
+    }
+    for (name, _) in Filter::NAMES {
+        let shorthand = settings("", &[&format!("film.filter={name}")]).unwrap().filter;
+        let table = settings("", &[&format!("film.filter={{ type = \"{name}\" }}")]).unwrap().filter;
+        assert_eq!((shorthand.name(), shorthand), (*name, table));
+    }
+    for (name, _) in Projection::NAMES {
+        with("", &[&format!("camera.type={name}")], |_| ()).unwrap();
+    }
+}
+
+#[test]
+fn without_a_type_only_the_keys_given_change() {
+    let metal = crate::load::materials::MaterialSpec {
+        model: crate::load::materials::Model::Conductor {
+            reflectance: crate::bsdf::fresnel::Reflectance::Constant(Rgb::splat(0.9)),
+            alpha: 0.04,
+            compensate: true,
+        },
+        emission: Rgb::splat(3.0),
+        ..crate::load::materials::MaterialSpec::diffuse("m", Rgb::ONE)
+    };
+    let patched = |text: &str| with(text, &[], |plan| plan.materials["m"].apply(metal.clone())).unwrap();
+    let changed = patched("[materials.m]\nroughness = 0.5").unwrap();
+    assert_eq!(changed.emission, metal.emission);
+    let crate::load::materials::Model::Conductor { reflectance, alpha, .. } = changed.model else { panic!() };
+    assert_eq!((reflectance.average(), alpha), (Rgb::splat(0.9), 0.25));
+    assert_eq!(patched("[materials.m]\ntype = \"mirror\"").unwrap().model.name(), "mirror");
+    let wrong = patched("[materials.m]\ncompensate = false\nexponent = 3").unwrap_err();
+    assert_eq!((wrong.line, wrong.column), (Some(3), Some(12)));
+}
