@@ -152,9 +152,9 @@ fn weights_are_f_cos_over_pdf() {
 
 /// The mean weight is the albedo.
 fn albedo(model: &dyn Scatter, view: &View) -> f64 {
-    let n = 1 << 16;
+    let n = 1 << 18;
     let one = |i: u32| {
-        let (u, lobe) = point(i);
+        let (u, lobe) = random(i);
         model.sample(view, u, lobe).map_or(0.0, |s| f64::from(s.weight.max_element()))
     };
     (0..n).map(one).sum::<f64>() / f64::from(n)
@@ -207,7 +207,7 @@ fn phong_has_its_closed_form() {
         let phong = Phong::new(Rgb::ZERO, Rgb::ONE, n);
         for (degrees, exact) in [0.0, 30.0, 60.0, 80.0].into_iter().zip(row) {
             let a = albedo(&phong, &view(degrees));
-            assert!((a - exact).abs() < 1e-3, "n {n} at {degrees}°: {a} not {exact}");
+            assert!((a - exact).abs() < 4e-3, "n {n} at {degrees}°: {a} not {exact}");
         }
     }
 }
