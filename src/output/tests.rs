@@ -5,9 +5,10 @@ use std::io::Cursor;
 use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::Path;
 
-use super::display::{ToneMap, linear_to_srgb, srgb_to_linear};
+use super::display::ToneMap;
 use super::*;
 use crate::film::Channel;
+use crate::math::srgb::{linear_to_srgb, srgb_to_linear};
 
 fn gradient(width: u32, height: u32) -> Image {
     let pixels: Vec<[f32; 3]> = (0..width * height)
