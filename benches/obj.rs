@@ -19,7 +19,8 @@ fn main() {
     println!("{megabytes:.0} MB, {} threads", rayon::current_num_threads());
     for _ in 0..5 {
         let (cpu, wall) = (seconds(ClockId::ProcessCPUTime), seconds(ClockId::Monotonic));
-        let file = read_from(text.as_slice(), Path::new("bench.obj"), None, &ReadOptions::default()).expect("reads");
+        let file =
+            read_from(text.as_slice(), Path::new("bench.obj"), None, &ReadOptions::default()).expect("reads");
         let (cpu, wall) = (seconds(ClockId::ProcessCPUTime) - cpu, seconds(ClockId::Monotonic) - wall);
         let triangles = file.mesh.indices.len();
         println!("{triangles} triangles: {:.0} MB/CPU-s, {:.0} MB/s", megabytes / cpu, megabytes / wall);

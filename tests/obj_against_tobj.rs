@@ -74,7 +74,8 @@ fn ours(file: &ObjFile) -> Vec<Triangle> {
         .map(|t| {
             let corners = std::array::from_fn(|k| {
                 let uv = m.uvs.as_ref().and_then(|a| a.values.get(index(&a.indices, t, k) as usize).copied());
-                let n = m.normals.as_ref().and_then(|a| a.values.get(index(&a.indices, t, k) as usize).copied());
+                let n =
+                    m.normals.as_ref().and_then(|a| a.values.get(index(&a.indices, t, k) as usize).copied());
                 (m.positions[m.indices[t][k] as usize], uv, n)
             });
             (corners, String::from_utf8(file.material_names[m.materials.get(t) as usize].clone()).unwrap())
@@ -86,7 +87,8 @@ fn theirs(text: &str) -> Vec<Triangle> {
     let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
     let mtl = "newmtl mat0\nnewmtl mat1\nnewmtl mat2\n";
     let (models, materials) =
-        tobj::load_obj_buf(&mut text.as_bytes(), &options, |_| tobj::load_mtl_buf(&mut mtl.as_bytes())).unwrap();
+        tobj::load_obj_buf(&mut text.as_bytes(), &options, |_| tobj::load_mtl_buf(&mut mtl.as_bytes()))
+            .unwrap();
     let materials = materials.unwrap();
     let mut triangles = Vec::new();
     for m in models.iter().map(|m| &m.mesh) {
@@ -94,7 +96,8 @@ fn theirs(text: &str) -> Vec<Triangle> {
         for t in 0..m.indices.len() / 3 {
             let corners = std::array::from_fn(|k| {
                 let at = |list: &[u32]| list.get(3 * t + k).copied().filter(|&i| i != u32::MAX);
-                let uv = at(&m.texcoord_indices).map(|i| [m.texcoords[2 * i as usize], m.texcoords[2 * i as usize + 1]]);
+                let uv = at(&m.texcoord_indices)
+                    .map(|i| [m.texcoords[2 * i as usize], m.texcoords[2 * i as usize + 1]]);
                 let normal = at(&m.normal_indices).map(|i| three(&m.normals, i));
                 (three(&m.positions, m.indices[3 * t + k]), uv, normal)
             });

@@ -186,14 +186,32 @@ struct Reader<'a> {
 
 /// Statements that belong to MTL and mean nothing to us.
 const IGNORED: &[&[u8]] = &[
-    b"ka", b"map_ka", b"sharpness", b"decal", b"refl", b"map_refl", b"map_aat", b"map_ps", b"map_pc", b"map_pcr",
-    b"map_tr", b"map_tf", b"map_ni", b"map_aniso", b"map_anisor",
+    b"ka",
+    b"map_ka",
+    b"sharpness",
+    b"decal",
+    b"refl",
+    b"map_refl",
+    b"map_aat",
+    b"map_ps",
+    b"map_pc",
+    b"map_pcr",
+    b"map_tr",
+    b"map_tf",
+    b"map_ni",
+    b"map_aniso",
+    b"map_anisor",
 ];
 
 impl Reader<'_> {
     fn note(&mut self, kind: &'static str, severity: Severity, message: &str) {
-        let finding =
-            Finding { file: self.path.to_path_buf(), line: self.line, kind, message: message.to_string(), severity };
+        let finding = Finding {
+            file: self.path.to_path_buf(),
+            line: self.line,
+            kind,
+            message: message.to_string(),
+            severity,
+        };
         self.out.findings.push(finding);
     }
 
@@ -214,7 +232,11 @@ impl Reader<'_> {
             };
             self.out.materials.push(material);
         } else if self.out.materials.is_empty() {
-            self.note("mtl-before-newmtl", Severity::Warning, "a statement before the first newmtl was ignored");
+            self.note(
+                "mtl-before-newmtl",
+                Severity::Warning,
+                "a statement before the first newmtl was ignored",
+            );
         } else {
             self.property(&key, rest);
         }
@@ -308,7 +330,7 @@ impl Reader<'_> {
 
     fn number_of(&mut self, key: &str, rest: &[u8]) -> Option<f64> {
         // `d -halo 0.5`: transparent in the middle; taken as an even opacity.
-        let value = words(rest).find(|w| w.to_ascii_lowercase() != b"-halo").and_then(whole_number);
+        let value = words(rest).find(|w| !w.eq_ignore_ascii_case(b"-halo")).and_then(whole_number);
         if value.is_none() {
             self.ignored(key, "it needs a number");
         }

@@ -69,7 +69,8 @@ pub struct Found {
 /// or server is looked for by its last part.
 pub fn find(folder: &Path, name: &[u8]) -> Option<Found> {
     let name: Vec<u8> = name.iter().map(|&b| if b == b'\\' { b'/' } else { b }).collect();
-    let foreign = matches!(*name.as_slice(), [b'a'..=b'z' | b'A'..=b'Z', b':', ..]) || name.starts_with(b"//");
+    let foreign =
+        matches!(*name.as_slice(), [b'a'..=b'z' | b'A'..=b'Z', b':', ..]) || name.starts_with(b"//");
     if name.is_empty() || name.contains(&0) {
         return None;
     }
@@ -82,7 +83,8 @@ pub fn find(folder: &Path, name: &[u8]) -> Option<Found> {
             return Some(Found { path, how: Match::OtherCase });
         }
     }
-    let last = name.rsplit(|&b| b == b'/').next().filter(|last| !last.is_empty() && last.len() < name.len())?;
+    let last =
+        name.rsplit(|&b| b == b'/').next().filter(|last| !last.is_empty() && last.len() < name.len())?;
     let last = path_from_bytes(last);
     let beside = folder.join(&last);
     let path = if beside.exists() { Some(beside) } else { find_in_any_case(folder, &last) };

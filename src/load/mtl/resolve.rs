@@ -96,7 +96,8 @@ impl Resolver<'_> {
         let library = match read(&found.path) {
             Ok(library) => library,
             Err(error) => {
-                let message = format!("material library \"{}\" cannot be read: {}", shown(name), error.message);
+                let message =
+                    format!("material library \"{}\" cannot be read: {}", shown(name), error.message);
                 return self.note("mtllib-unreadable", Severity::Warning, message);
             }
         };
@@ -104,7 +105,8 @@ impl Resolver<'_> {
         for material in library.materials {
             let (line, file) = (material.line, material.library.clone());
             if self.last.insert(material.name.clone(), material).is_some() {
-                let message = "a material of this name was defined before; the last definition holds".to_string();
+                let message =
+                    "a material of this name was defined before; the last definition holds".to_string();
                 let (kind, severity) = ("material-redefined", Severity::Warning);
                 self.out.findings.push(Finding { file, line, kind, message, severity });
             }

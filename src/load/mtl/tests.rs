@@ -88,11 +88,21 @@ fn b4_texture_options_and_names_with_spaces() {
     };
     assert_eq!((t.file.to_str().unwrap(), t.options), ("a.png", expected));
     for (statement, file) in [
-        ("a b.png -bm 0.3", "a b.png"), ("-bm x.png", "-bm x.png"), ("-foo a.png", "-foo a.png"), ("1", "1"),
-        ("-s 1 1 2", "2"), ("-o 1", "-o 1"), ("..\\tex\\A.PNG", "../tex/A.PNG"), ("-clamp on -clamp off", "-clamp off"),
+        ("a b.png -bm 0.3", "a b.png"),
+        ("-bm x.png", "-bm x.png"),
+        ("-foo a.png", "-foo a.png"),
+        ("1", "1"),
+        ("-s 1 1 2", "2"),
+        ("-o 1", "-o 1"),
+        ("..\\tex\\A.PNG", "../tex/A.PNG"),
+        ("-clamp on -clamp off", "-clamp off"),
         ("a -bm 1 b.png", "a -bm 1 b.png"),
     ] {
-        assert_eq!(one(&format!("map_Kd {statement}")).map_kd.unwrap().value.file, Path::new(file), "{statement}");
+        assert_eq!(
+            one(&format!("map_Kd {statement}")).map_kd.unwrap().value.file,
+            Path::new(file),
+            "{statement}"
+        );
     }
     assert_eq!(one("bump a b.png -bm 0.3").bump.unwrap().value.options.bump_multiplier, 0.3);
     assert_eq!(findings("map_Kd"), [("mtl-value-ignored", 2)]);
@@ -100,8 +110,17 @@ fn b4_texture_options_and_names_with_spaces() {
 
 #[test]
 fn b5_values_are_physical_and_finite() {
-    for (text, value) in [("Kd nan 0 0", None), ("Kd -1 0 2", Some([0.0, 0.0, 1.0])), ("Kd 1e30", Some([1.0; 3])), ("Kd", None),
-        ("Kd spectral f.rfl", None), ("Kd xyz .1 .2 .3", None), ("Kd 1 2", None), ("Kd a b c", None), ("Kd inf inf inf", None)] {
+    for (text, value) in [
+        ("Kd nan 0 0", None),
+        ("Kd -1 0 2", Some([0.0, 0.0, 1.0])),
+        ("Kd 1e30", Some([1.0; 3])),
+        ("Kd", None),
+        ("Kd spectral f.rfl", None),
+        ("Kd xyz .1 .2 .3", None),
+        ("Kd 1 2", None),
+        ("Kd a b c", None),
+        ("Kd inf inf inf", None),
+    ] {
         assert_eq!(one(text).kd.map(|k| k.value), value, "{text}");
         assert_eq!(findings(text).len(), 1, "{text}");
     }
@@ -127,7 +146,10 @@ fn b5_values_are_physical_and_finite() {
 
 #[test]
 fn b5_the_last_definition_holds() {
-    let folder = Folder::with(&[("a.mtl", "newmtl m\nKd 1 0 0\nnewmtl m\nKd 0 1 0\n"), ("b.mtl", "newmtl m\nKd 0 0 1\n")]);
+    let folder = Folder::with(&[
+        ("a.mtl", "newmtl m\nKd 1 0 0\nnewmtl m\nKd 0 1 0\n"),
+        ("b.mtl", "newmtl m\nKd 0 0 1\n"),
+    ]);
     let r = folder.resolve(&["a.mtl"], &["m", "", "unknown"]);
     assert_eq!(r.materials[0].as_ref().unwrap().kd.unwrap().value, [0.0, 1.0, 0.0]);
     assert!(r.materials[1].is_none() && r.materials[2].is_none());
@@ -140,7 +162,11 @@ fn b5_the_last_definition_holds() {
 #[test]
 fn b1_libraries_are_found() {
     let folder = Folder::with(&[
-        ("with space.mtl", "newmtl s\n"), ("a.mtl", "newmtl a\n"), ("b.mtl", "newmtl b\n"), ("Big.MTL", "newmtl c\n"), ("sub/Deep.mtl", "newmtl d\n"),
+        ("with space.mtl", "newmtl s\n"),
+        ("a.mtl", "newmtl a\n"),
+        ("b.mtl", "newmtl b\n"),
+        ("Big.MTL", "newmtl c\n"),
+        ("sub/Deep.mtl", "newmtl d\n"),
     ]);
     let r = folder.resolve(&["with space.mtl"], &["s"]);
     assert!(r.materials[0].is_some() && r.findings.is_empty());
@@ -159,8 +185,13 @@ fn b1_libraries_are_found() {
 fn b2_paths_of_other_systems() {
     let folder = Folder::with(&[("x.mtl", "newmtl x\n"), ("sub/y.mtl", "newmtl y\n")]);
     for (stated, kind) in [
-        (".\\x.mtl", None), (".//x.mtl", None), ("C:\\models\\x.mtl", Some("mtllib-other-folder")), ("c:/x.mtl", Some("mtllib-other-folder")),
-        ("..\\elsewhere\\X.mtl", Some("mtllib-other-folder")), ("\\\\server\\x.mtl", Some("mtllib-other-folder")), ("/nowhere/x.mtl", Some("mtllib-other-folder")),
+        (".\\x.mtl", None),
+        (".//x.mtl", None),
+        ("C:\\models\\x.mtl", Some("mtllib-other-folder")),
+        ("c:/x.mtl", Some("mtllib-other-folder")),
+        ("..\\elsewhere\\X.mtl", Some("mtllib-other-folder")),
+        ("\\\\server\\x.mtl", Some("mtllib-other-folder")),
+        ("/nowhere/x.mtl", Some("mtllib-other-folder")),
     ] {
         let r = folder.resolve(&[stated], &["x"]);
         assert!(r.materials[0].is_some(), "{stated}");
@@ -174,7 +205,10 @@ fn b2_paths_of_other_systems() {
 #[cfg(unix)]
 fn b10_only_regular_files_are_read_and_never_quoted() {
     let secret = "hunter2-not-for-your-eyes";
-    let folder = Folder::with(&[("secret.txt", &format!("{secret}\nKd {secret}\nnewmtl {secret}\nKd {secret}\n{secret} 1\nmap_Kd -bm {secret}\n"))]);
+    let folder = Folder::with(&[(
+        "secret.txt",
+        &format!("{secret}\nKd {secret}\nnewmtl {secret}\nKd {secret}\n{secret} 1\nmap_Kd -bm {secret}\n"),
+    )]);
     let pipe = folder.0.path().join("pipe");
     rustix::fs::mknodat(rustix::fs::CWD, &pipe, rustix::fs::FileType::Fifo, 0o600.into(), 0).unwrap();
     let r = folder.resolve(&["secret.txt", "pipe", "/dev/zero", ".", "a\0b"], &["m"]);

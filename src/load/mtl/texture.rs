@@ -91,7 +91,8 @@ impl Texture {
             start += used;
         }
         // Some exporters write the options behind the name; they count when nothing else follows them.
-        let end = (start + 1..words.len()).find(|&end| all_options(words.get(end..).unwrap_or_default(), &mut options));
+        let end = (start + 1..words.len())
+            .find(|&end| all_options(words.get(end..).unwrap_or_default(), &mut options));
         let name = span(text, words.get(start..end.unwrap_or(words.len()))?)?;
         let slashes: Vec<u8> = name.iter().map(|&b| if b == b'\\' { b'/' } else { b }).collect();
         Some(Texture { file: path_from_bytes(&slashes), options })

@@ -27,7 +27,14 @@ fn shown(result: &Result<ObjFile>) -> String {
             let kept: Vec<_> = f.findings.kept().collect();
             format!(
                 "{bits:?} {:?} {:?} {:?} {:?} {} {:?} {:?} {:?} {counts:?} {kept:?}",
-                f.mesh.indices, f.mesh.normals, f.mesh.uvs, f.mesh.materials, f.origin, f.material_names, f.libraries, f.counts
+                f.mesh.indices,
+                f.mesh.normals,
+                f.mesh.uvs,
+                f.mesh.materials,
+                f.origin,
+                f.material_names,
+                f.libraries,
+                f.counts
             )
         }
     }
@@ -114,7 +121,14 @@ fn a1_bad_attribute_indices_keep_the_face() {
 #[test]
 fn a2_huge_indices_do_not_wrap() {
     let good = parse(with_square(""));
-    for bad in ["2147483648", "4294967296", "4294967297", "4294967298", "9223372036854775808", "18446744073709551617"] {
+    for bad in [
+        "2147483648",
+        "4294967296",
+        "4294967297",
+        "4294967298",
+        "9223372036854775808",
+        "18446744073709551617",
+    ] {
         for sign in ["", "-", "+"] {
             for bad in [format!("{sign}{bad}"), format!("{sign}{}", "1234567890".repeat(4))] {
                 let f = parse(with_square(&format!("f 1 {bad} 3")));
@@ -127,7 +141,8 @@ fn a2_huge_indices_do_not_wrap() {
 
 #[test]
 fn a3_forward_references_are_fine_when_in_range_at_the_end() {
-    let text = "f 1//1 2//2 3//1\nf 1 2 9\nf 4 3 2 1\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nv .4 .5 0\nvn 0 1 1\n";
+    let text =
+        "f 1//1 2//2 3//1\nf 1 2 9\nf 4 3 2 1\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nv .4 .5 0\nvn 0 1 1\n";
     let f = parse(text);
     assert_eq!(f.mesh.indices[0], [0, 1, 2]);
     assert_eq!(f.mesh.normals.as_ref().unwrap().indices.as_ref().unwrap()[0], [0, 1, 0]);
@@ -141,13 +156,29 @@ fn a3_forward_references_are_fine_when_in_range_at_the_end() {
 #[test]
 fn a4_numbers_and_what_is_none() {
     let spellings = [
-        ".5", "5.", "+3", "1e+05", "1E-5", "-0", "0.1", "123456.789012345", "1e-46", "1e18", "16777217", "-.5e-3",
-        "0.30000001192092896", "3.4e-39",
+        ".5",
+        "5.",
+        "+3",
+        "1e+05",
+        "1E-5",
+        "-0",
+        "0.1",
+        "123456.789012345",
+        "1e-46",
+        "1e18",
+        "16777217",
+        "-.5e-3",
+        "0.30000001192092896",
+        "3.4e-39",
     ];
     for text in spellings {
         let f = parse(format!("v {text} 0 0\nv 1 2 3\nv 3 2 7\nf 1 2 3"));
         let ours = f64::from(f.mesh.positions[0][0]) + f.origin.x;
-        assert_eq!((ours as f32).to_bits() & !(1 << 31), text.parse::<f32>().unwrap().to_bits() & !(1 << 31), "{text}");
+        assert_eq!(
+            (ours as f32).to_bits() & !(1 << 31),
+            text.parse::<f32>().unwrap().to_bits() & !(1 << 31),
+            "{text}"
+        );
     }
     let kinds = |text: &str| {
         let f = parse(format!("v 0 0 {text}\n{SQUARE}f 1 2 3\nf 2 3 4"));
@@ -160,7 +191,8 @@ fn a4_numbers_and_what_is_none() {
     for text in ["nan", "NaN", "inf", "-inf", "infinity", "1e39", "1e38", "1.1e18", "1e999"] {
         assert_eq!(kinds(text), "vertex-too-large", "{text}");
     }
-    for text in ["1,5", "1.#INF", "-1.#IND", "0x10", "1e", "--1", "1.2.3", "abc", "", "1f", "1_0", "٣", "."] {
+    for text in ["1,5", "1.#INF", "-1.#IND", "0x10", "1e", "--1", "1.2.3", "abc", "", "1f", "1_0", "٣", "."]
+    {
         assert_eq!(kinds(text), "vertex-unreadable", "{text}");
     }
 }
@@ -202,7 +234,8 @@ fn a6_nothing_to_render_is_an_error_that_says_why() {
 
 #[test]
 fn a7_encodings_of_one_file_are_one_file() {
-    let lf = "# a\nmtllib x y.mtl\nv 0 0 0\nv 1 0 0\n\nv 1 1 0\nv 0 1 0\nusemtl red\nf 1 2 3\nf 1 3 9\nf 1 3 4";
+    let lf =
+        "# a\nmtllib x y.mtl\nv 0 0 0\nv 1 0 0\n\nv 1 1 0\nv 0 1 0\nusemtl red\nf 1 2 3\nf 1 3 9\nf 1 3 4";
     let expected = shown(&Ok(parse(lf)));
     let variants = [
         lf.replace('\n', "\r\n"),
@@ -227,10 +260,17 @@ fn a7_nul_and_utf16_are_named() {
     let text = with_square("f 1 3 4");
     let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
     let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
-    for utf16 in [&little, &big, &[&[0xff, 0xfe], little.as_slice()].concat(), &[&[0xfe, 0xff], big.as_slice()].concat()] {
+    for utf16 in [
+        &little,
+        &big,
+        &[&[0xff, 0xfe], little.as_slice()].concat(),
+        &[&[0xfe, 0xff], big.as_slice()].concat(),
+    ] {
         assert!(error(utf16).contains("looks like UTF-16"));
     }
-    for (line, text) in [(1, "v 0\0 0 0\n"), (2, "v 0 0 0\n# \0\n"), (1, "usemtl a\0b"), (3, "\n\r\nfoo\0"), (1, "mtllib \0")] {
+    for (line, text) in
+        [(1, "v 0\0 0 0\n"), (2, "v 0 0 0\n# \0\n"), (1, "usemtl a\0b"), (3, "\n\r\nfoo\0"), (1, "mtllib \0")]
+    {
         let text = format!("{text}{SQUARE}f 1 2 3\n");
         let message = error(&text);
         assert!(message.starts_with(&format!("test.obj:{line}: a NUL byte")), "{message}");
@@ -241,7 +281,9 @@ fn a7_nul_and_utf16_are_named() {
 #[test]
 fn a8_continued_lines_are_joined() {
     for end in ["\n", "\r\n", "\r"] {
-        let text = format!("v 0 \\{end}0 0{end}v 1 0 0{end}v 1 \\{end}\\{end} 1 0{end}v 0 1 0{end}f\\{end} 1 2 \\{end}3{end}f 1 3 77{end}f 1 3 4 \\");
+        let text = format!(
+            "v 0 \\{end}0 0{end}v 1 0 0{end}v 1 \\{end}\\{end} 1 0{end}v 0 1 0{end}f\\{end} 1 2 \\{end}3{end}f 1 3 77{end}f 1 3 4 \\"
+        );
         let f = parse(&text);
         assert_eq!(f.mesh.indices, [[0, 1, 2], [0, 2, 3]]);
         assert_eq!(f.findings.kept().next().unwrap().line, 11, "{end:?}");
@@ -255,7 +297,11 @@ fn a8_continued_lines_are_joined() {
 
 #[test]
 fn a9_names_are_bytes() {
-    let text = [SQUARE.as_bytes(), b"# caf\xe9 \x83\x8f\nmtllib caf\xe9 noir.mtl\nusemtl \x83\x8f\x5c\xb8\nf 1 2 3 # \xff\n"].concat();
+    let text = [
+        SQUARE.as_bytes(),
+        b"# caf\xe9 \x83\x8f\nmtllib caf\xe9 noir.mtl\nusemtl \x83\x8f\x5c\xb8\nf 1 2 3 # \xff\n",
+    ]
+    .concat();
     let f = parse(&text);
     assert_eq!(f.libraries, [Library { line: 6, names: b"caf\xe9 noir.mtl".to_vec() }]);
     assert_eq!(f.material_names, [b"\x83\x8f\x5c\xb8".to_vec()]);
@@ -287,16 +333,26 @@ fn a10_polygons() {
 
 fn area(mesh: &Mesh) -> f64 {
     let corner = |i: u32| DVec3::from_array(mesh.positions[i as usize].map(f64::from));
-    mesh.indices.iter().map(|t| (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0])).length() / 2.0).sum()
+    mesh.indices
+        .iter()
+        .map(|t| (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0])).length() / 2.0)
+        .sum()
 }
 
 #[test]
 fn a11_corner_grammar() {
-    let corners = ["1", "1/1", "1//1", "1/1/1", "1/", "1//", "1/1/", "+1", "-4/-3/-3", "1/2/3/4", "/1", "//", "/", "1.0", "1/1.0/1", "1/a", "a", "1-", "1//1/", "//1", "1/ /1", "1,2", "++1", "-"];
+    let corners = [
+        "1", "1/1", "1//1", "1/1/1", "1/", "1//", "1/1/", "+1", "-4/-3/-3", "1/2/3/4", "/1", "//", "/",
+        "1.0", "1/1.0/1", "1/a", "a", "1-", "1//1/", "//1", "1/ /1", "1,2", "++1", "-",
+    ];
     for (k, corner) in corners.iter().enumerate() {
         let f = parse(with_square(&format!("f {corner} 3/1/1 4\n")));
         let good = k < 9;
-        assert_eq!((f.mesh.indices.len(), f.counts.skipped_faces), if good { (2, 0) } else { (1, 1) }, "{corner}");
+        assert_eq!(
+            (f.mesh.indices.len(), f.counts.skipped_faces),
+            if good { (2, 0) } else { (1, 1) },
+            "{corner}"
+        );
         assert_eq!(f.findings.count("face-malformed"), u64::from(!good), "{corner}");
         if good {
             assert_eq!(f.mesh.indices[1], [0, 2, 3], "{corner}");
@@ -320,8 +376,14 @@ fn a12_other_statements_are_ignored() {
     let counts: Vec<_> = f.findings.counts().map(|(kind, n, _)| (kind, n)).collect();
     assert_eq!(
         counts,
-        [("command-ignored", 2), ("free-form-ignored", 2), ("material-name-missing", 2), ("mtllib-name-missing", 1),
-         ("points-and-lines-ignored", 1), ("unknown-statement", 2)]
+        [
+            ("command-ignored", 2),
+            ("free-form-ignored", 2),
+            ("material-name-missing", 2),
+            ("mtllib-name-missing", 1),
+            ("points-and-lines-ignored", 1),
+            ("unknown-statement", 2)
+        ]
     );
     assert_eq!(f.findings.at_least(Severity::Warning), 0);
 }
@@ -341,12 +403,16 @@ impl std::io::Read for Endless {
 #[test]
 fn a13_endless_lines_end_at_the_limit() {
     for byte in *b" 1x#\\" {
-        let e = read_from(Endless(byte, 0), Path::new("e"), None, &ReadOptions::default()).unwrap_err().to_string();
+        let e = read_from(Endless(byte, 0), Path::new("e"), None, &ReadOptions::default())
+            .unwrap_err()
+            .to_string();
         assert!(e.starts_with("e:1: a line beyond the limit"), "{e}");
     }
     let text = format!("{SQUARE}\n# {}\nf 1 2 3\n", "x".repeat(5000));
     for block_bytes in [1, 100, 4096, 1 << 20] {
-        let read = |max_line_bytes| parse_with(text.as_bytes(), &ReadOptions { max_line_bytes, block_bytes, ..Default::default() });
+        let read = |max_line_bytes| {
+            parse_with(text.as_bytes(), &ReadOptions { max_line_bytes, block_bytes, ..Default::default() })
+        };
         let e = read(5000).unwrap_err().to_string();
         assert!(e.starts_with("test.obj:6: a line beyond"), "{e}");
         assert!(read(6000).is_ok());
@@ -355,7 +421,9 @@ fn a13_endless_lines_end_at_the_limit() {
 
 #[test]
 fn a14_every_prefix_is_safe() {
-    let mut text = with_square("usemtl café\nf -1/-1/-1 -2/2/2 -3//3 \\\r\n 1\r\nf 4 3 2 1\nv 1e5 nan 2\nf 9 1 2\nmtllib a b\n");
+    let mut text = with_square(
+        "usemtl café\nf -1/-1/-1 -2/2/2 -3//3 \\\r\n 1\r\nf 4 3 2 1\nv 1e5 nan 2\nf 9 1 2\nmtllib a b\n",
+    );
     while text.len() < 3000 {
         text += &format!("v {} {:.3} 7e-3\nf -1 -2/1 -3//2 # x\n", text.len(), text.len() as f64 / 7.0);
     }
@@ -411,7 +479,8 @@ fn equal_indices_are_not_listed() {
 
 #[test]
 fn materials_follow_usemtl() {
-    let text = with_square("usemtl b\nf 1 3 4\nusemtl a\nusemtl b\nf 2 3 4\nusemtl a\nf 1 2 4\nusemtl unused");
+    let text =
+        with_square("usemtl b\nf 1 3 4\nusemtl a\nusemtl b\nf 2 3 4\nusemtl a\nf 1 2 4\nusemtl unused");
     let f = parse(&text);
     assert_eq!(f.material_names, [&b""[..], b"b", b"a", b"unused"]);
     assert_eq!(f.mesh.materials, FaceMaterials::PerFace(vec![0, 1, 1, 2]));
@@ -470,13 +539,18 @@ fn findings_are_the_first_by_line_whatever_the_blocks() {
     // Forward references are judged at the end of the file, the others on the way.
     let mut text = String::from("f 1 2 999999\n");
     for i in 0..300 {
-        text += &format!("v {i} 0 0\nf 1 2 -{}\nf 1 0 0\nv nan 0 0\nf -1 -2 800\nf 1 2 700\nf 1 2 {}\n", 2 * i + 9, 2 * i + 2);
+        text += &format!(
+            "v {i} 0 0\nf 1 2 -{}\nf 1 0 0\nv nan 0 0\nf -1 -2 800\nf 1 2 700\nf 1 2 {}\n",
+            2 * i + 9,
+            2 * i + 2
+        );
     }
     text += "f 1 3 5 7\nf 1 3 9\nv 0 1 0\nf 1 3 -1\n";
     same_in_any_blocks(text.as_bytes());
     let f = parse(&text);
     assert_eq!(f.findings.count("face-index-out-of-range"), 1201);
-    let lines: Vec<u64> = f.findings.kept().filter(|f| f.kind == "face-index-out-of-range").map(|f| f.line).collect();
+    let lines: Vec<u64> =
+        f.findings.kept().filter(|f| f.kind == "face-index-out-of-range").map(|f| f.line).collect();
     assert_eq!((lines.len(), lines[0], lines[1]), (100, 1, 3));
     assert!(lines.is_sorted());
 }
@@ -493,15 +567,59 @@ fn files_are_read_and_others_refused() {
     assert!(e.contains("No such file"), "{e}");
     #[cfg(target_os = "linux")]
     for device in ["/dev/zero", "/dev/null"] {
-        assert!(read(device.as_ref(), &ReadOptions::default()).unwrap_err().to_string().contains("not a regular file"));
+        assert!(
+            read(device.as_ref(), &ReadOptions::default())
+                .unwrap_err()
+                .to_string()
+                .contains("not a regular file")
+        );
     }
 }
 
 fn token() -> impl Strategy<Value = String> {
     let fixed = [
-        "v", "vn", "vt", "f", "usemtl", "mtllib", "o", "#", "\n", "\n", "\n", "\r\n", "\r", "\\\n", "\\", "/", "//", "1", "2",
-        "3", "-1", "-2", "-3", "0", "1.5", "-2e3", "nan", "1e99", ".", "1/1/1", "2//2", "-1/-1", "\0", "a", "é", "f 1 2 3\n",
-        "v 1 2 3\n", "v 0 0 1\n", "v 7 1 0\n", "f -1 -2 -3\n", "f 1 2 3 4 5\n", "99999999999",
+        "v",
+        "vn",
+        "vt",
+        "f",
+        "usemtl",
+        "mtllib",
+        "o",
+        "#",
+        "\n",
+        "\n",
+        "\n",
+        "\r\n",
+        "\r",
+        "\\\n",
+        "\\",
+        "/",
+        "//",
+        "1",
+        "2",
+        "3",
+        "-1",
+        "-2",
+        "-3",
+        "0",
+        "1.5",
+        "-2e3",
+        "nan",
+        "1e99",
+        ".",
+        "1/1/1",
+        "2//2",
+        "-1/-1",
+        "\0",
+        "a",
+        "é",
+        "f 1 2 3\n",
+        "v 1 2 3\n",
+        "v 0 0 1\n",
+        "v 7 1 0\n",
+        "f -1 -2 -3\n",
+        "f 1 2 3 4 5\n",
+        "99999999999",
     ];
     proptest::sample::select(fixed.to_vec()).prop_map(String::from)
 }

@@ -283,7 +283,11 @@ impl Grid {
                 continue;
             }
             for y in [low.y.max(bottom), high.y.min(top)] {
-                let x = if high.y > low.y { low.x + (high.x - low.x) * ((y - low.y) / (high.y - low.y)) } else { low.x };
+                let x = if high.y > low.y {
+                    low.x + (high.x - low.x) * ((y - low.y) / (high.y - low.y))
+                } else {
+                    low.x
+                };
                 left = left.min(x);
                 right = right.max(x);
             }
@@ -309,7 +313,8 @@ impl Grid {
         let [a, b, c] = triangle;
         let scaled = triangle.map(|p| self.scaled(p));
         let heights = scaled.map(|p| self.clamp(p.y));
-        let (first_row, last_row) = (heights.into_iter().min().unwrap_or(0), heights.into_iter().max().unwrap_or(0));
+        let (first_row, last_row) =
+            (heights.into_iter().min().unwrap_or(0), heights.into_iter().max().unwrap_or(0));
         for row in first_row..=last_row {
             for column in self.columns(scaled, row) {
                 let (start, length) = &mut self.cells[row * self.side + column];

@@ -38,7 +38,8 @@ fn check_edges(points: usize, triangles: &[[u32; 3]]) {
 #[test]
 fn a10_simple_polygons_keep_their_area() {
     let l = vec![(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)];
-    let collinear = vec![(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (3.0, 0.0), (3.0, 2.0), (1.5, 2.0), (0.0, 2.0), (0.0, 1.0)];
+    let collinear =
+        vec![(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (3.0, 0.0), (3.0, 2.0), (1.5, 2.0), (0.0, 2.0), (0.0, 1.0)];
     let comb: Vec<(f64, f64)> = (0..200)
         .map(|i| (f64::from(i / 2), if i % 4 < 2 { 0.0 } else { 10.0 }))
         .chain([(100.0, -1.0), (0.0, -1.0)])
@@ -51,7 +52,16 @@ fn a10_simple_polygons_keep_their_area() {
     let duplicates = vec![(0.0, 0.0), (0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (4.0, 4.0), (2.0, 1.0), (0.0, 4.0)];
     // An outer square joined to a hole by a bridge that is walked twice.
     let hole = vec![
-        (0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0), (0.0, 0.0), (1.0, 1.0), (1.0, 3.0), (3.0, 3.0), (3.0, 1.0), (1.0, 1.0),
+        (0.0, 0.0),
+        (4.0, 0.0),
+        (4.0, 4.0),
+        (0.0, 4.0),
+        (0.0, 0.0),
+        (1.0, 1.0),
+        (1.0, 3.0),
+        (3.0, 3.0),
+        (3.0, 1.0),
+        (1.0, 1.0),
     ];
     for polygon in [l, collinear, comb, spiral, duplicates, hole] {
         let n = polygon.len();
