@@ -91,7 +91,7 @@ fn a_triangle_is_hit_where_it_is_from_both_sides() {
         for (z, coherence) in [(2.0, Coherence::Coherent), (-2.0, Coherence::Incoherent)] {
             // p = (1 − u − v)·v0 + u·v1 + v·v2 = (u, v, 0), every number a power of two.
             let rays = sixteen(Vec3::new(0.25, 0.5, z), Vec3::new(0.0, 0.0, -z / 4.0));
-            for active in [1 << 5, 0b11, !0] {
+            for active in [1 << 5, 0b11, 0x1fff, !0] {
                 let mut hits = Hits::default();
                 embree.closest(rays.check(active), coherence, &mut hits);
                 for lane in (0..LANES).filter(|lane| active >> lane & 1 == 1) {
