@@ -127,7 +127,8 @@ impl CameraPlan {
             (None, _) => {
                 let (to_eye, up) = view.directions(&Bearings::new(up));
                 spec.up = up;
-                let axes = [up.cross(to_eye).normalize_or(DVec3::X), up, -to_eye];
+                let right = up.cross(to_eye).normalize_or(DVec3::X);
+                let axes = [right, to_eye.cross(right), -to_eye];
                 fit(&mut spec, window, axes, size, meshes);
                 spec.position += origin;
                 spec.look_at += origin;

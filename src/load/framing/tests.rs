@@ -78,7 +78,7 @@ fn scale_origin_and_lens_do_not_matter() {
         let meshes = strip(scale, DVec3::ZERO);
         for lens in [
             Lens::Fov(1.0),
-            Lens::Fov(120.0),
+            Lens::Fov(60.0),
             Lens::Plane(Window { left: -0.2, right: 1.0, top: 0.4, bottom: -0.9, distance: 2.0 }),
         ] {
             let plan = CameraPlan { lens, ..CameraPlan::default() };
