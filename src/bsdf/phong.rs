@@ -33,10 +33,11 @@ impl Phong {
         self.diffuse + self.specular
     }
 
-    /// cosⁿα.
+    /// cosⁿα, zero beyond 90° (where 0⁰ would make it 1).
     #[inline(always)]
     fn lobe(&self, wo: Vec3, wi: Vec3) -> f32 {
-        libm::powf(reflect(wo).dot(wi).clamp(0.0, 1.0), self.exponent)
+        let cos = reflect(wo).dot(wi);
+        if cos > 0.0 { libm::powf(cos.min(1.0), self.exponent) } else { 0.0 }
     }
 }
 

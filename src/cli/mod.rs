@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, and the only code that prints.
 
 mod args;
+mod compare;
 mod console;
 mod help;
 mod machine;
@@ -75,6 +76,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
     }
     match cli.command {
         Some(Command::Render(render)) => render::run(*render),
+        Some(Command::Compare(compare)) => Ok(compare::run(&compare)?),
         None => render::run(cli.render),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Arrival, Context, Integrator, Sink, Vertex};
 use crate::bsdf::Scatter;
+use crate::light::End;
 use crate::math::ray::{Ray, leave};
 use crate::math::warp::cosine_hemisphere;
 use crate::math::{Rgb, Vec3};
@@ -26,7 +27,9 @@ impl Integrator for Ao {
     }
 
     #[inline(always)]
-    fn miss(&self, _cx: &Context<'_>, _d: Vec3, _arrival: &Arrival, out: &mut impl Sink) {
-        out.emit(Rgb::ONE);
+    fn end(&self, _cx: &Context<'_>, end: End, _o: Vec3, _d: Vec3, _arrival: &Arrival, out: &mut impl Sink) {
+        if let End::Sky = end {
+            out.emit(Rgb::ONE);
+        }
     }
 }

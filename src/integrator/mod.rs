@@ -1,6 +1,6 @@
 //! What light does along rays, in waves of paths.
 //!
-//! An [`Integrator`] is the mathematics of one vertex and of a ray that leaves the scene, as plain scalar
+//! An [`Integrator`] is the mathematics of one vertex and of a ray that meets no mesh, as plain scalar
 //! functions that *push* what they find into a [`Sink`]: emitted light, shadow rays, rays to follow (0 … N).
 //! [`wave`] owns lanes, chunks and compaction and knows no physics; tests use a sink that records.
 //!
@@ -20,6 +20,7 @@ pub use normals::Normals;
 pub use path::Path;
 
 use crate::bsdf::{Scatter, View};
+use crate::light::End;
 use crate::math::ray::Ray;
 use crate::math::{Frame, Rgb, Vec3};
 use crate::sampler::Key;
@@ -86,6 +87,6 @@ pub trait Integrator: Sync {
     /// What happens at one vertex.
     fn vertex<B: Scatter>(&self, cx: &Context<'_>, v: &Vertex, bsdf: &B, out: &mut impl Sink);
 
-    /// What happens to a ray with unit direction `d` that hits nothing.
-    fn miss(&self, cx: &Context<'_>, d: Vec3, arrival: &Arrival, out: &mut impl Sink);
+    /// What happens to a ray from `o` with unit direction `d` that meets no mesh.
+    fn end(&self, cx: &Context<'_>, end: End, o: Vec3, d: Vec3, arrival: &Arrival, out: &mut impl Sink);
 }

@@ -2,7 +2,8 @@
 
 use super::{Arrival, Context, Integrator, Sink, Vertex};
 use crate::bsdf::Scatter;
-use crate::math::{Rgb, Vec3};
+use crate::light::End;
+use crate::math::Vec3;
 
 /// (n+1)/2 of the shading normal on the viewer's side; black where nothing is hit.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +16,14 @@ impl Integrator for Normals {
     }
 
     #[inline(always)]
-    fn miss(&self, _cx: &Context<'_>, _d: Vec3, _arrival: &Arrival, out: &mut impl Sink) {
-        out.emit(Rgb::ZERO);
+    fn end(
+        &self,
+        _cx: &Context<'_>,
+        _end: End,
+        _o: Vec3,
+        _d: Vec3,
+        _arrival: &Arrival,
+        _out: &mut impl Sink,
+    ) {
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Arrival, Context, Integrator, Sink, Vertex};
 use crate::bsdf::Scatter;
+use crate::light::End;
 use crate::math::ray::leave;
 use crate::math::{Rgb, Vec3, mis};
 use crate::scene::LightSampling;
@@ -70,11 +71,9 @@ impl Integrator for Path {
     }
 
     #[inline(always)]
-    fn miss(&self, cx: &Context<'_>, d: Vec3, arrival: &Arrival, out: &mut impl Sink) {
-        if let Some(environment) = &cx.lights.environment {
-            let weight = mis::power(arrival.pdf, cx.lights.pdf_of_miss(d));
-            out.emit(arrival.beta * environment.le(d) * weight);
-        }
+    fn end(&self, cx: &Context<'_>, end: End, o: Vec3, d: Vec3, arrival: &Arrival, out: &mut impl Sink) {
+        let (le, light_pdf) = cx.lights.at_end(end, o, d);
+        out.emit(arrival.beta * le * mis::power(arrival.pdf, light_pdf));
     }
 }
 

@@ -9,8 +9,9 @@ use super::{Arrival, Context, Integrator, Sink, Vertex};
 use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, Rays};
 use crate::bsdf::{Bsdf, Scatter, View};
 use crate::film::{Film, FirstHit, Tile};
+use crate::light::{End, Sphere, sphere};
 use crate::math::ray::Ray;
-use crate::math::{Rgb, Vec3};
+use crate::math::{Rgb, Vec2, Vec3};
 use crate::render::RenderStats;
 use crate::sampler::Key;
 use crate::shape::Surface;
@@ -109,7 +110,7 @@ impl Sink for PathSink<'_> {
     }
 }
 
-/// The lanes of a wave by what they met: misses, then one group a BSDF.
+/// The lanes of a wave by what they met: no mesh, then one group a BSDF.
 #[derive(Debug, Default)]
 struct Groups {
     of: [Vec<u32>; 1 + Bsdf::NAMES.len()],
@@ -156,12 +157,12 @@ impl Wave {
         let mut depth = 0;
         self.stats.rest_seconds += lap(&mut clock);
         while self.current.len > 0 {
-            self.extend(job.accel, depth);
+            self.extend(job, depth);
             self.stats.intersect_seconds += lap(&mut clock);
             self.group(job.cx);
             self.shade(job, depth, tile);
             self.stats.shade_seconds += lap(&mut clock);
-            self.connect(job.accel);
+            self.connect(job);
             self.stats.intersect_seconds += lap(&mut clock);
             std::mem::swap(&mut self.current, &mut self.pushed.next);
             self.pushed.next.len = 0;
@@ -194,7 +195,7 @@ impl Wave {
     }
 
     #[inline(always)]
-    fn extend(&mut self, accel: &dyn Intersector, depth: u32) {
+    fn extend<I: Integrator>(&mut self, job: &Job<'_, I>, depth: u32) {
         let coherence = if depth == 0 { Coherence::Coherent } else { Coherence::Incoherent };
         let counter = if depth == 0 { &mut self.stats.camera_rays } else { &mut self.stats.bounce_rays };
         *counter += self.current.len as u64;
@@ -205,7 +206,10 @@ impl Wave {
                 self.stats.rejected_rays += u64::from(rays.rejected());
                 self.hits[chunk].mesh = [MISS; LANES];
             }
-            accel.closest(rays, coherence, &mut self.hits[chunk]);
+            job.accel.closest(rays, coherence, &mut self.hits[chunk]);
+            if !job.cx.lights.spheres.is_empty() {
+                sphere::closest(&job.cx.lights.spheres, rays, &mut self.hits[chunk]);
+            }
         }
     }
 
@@ -218,8 +222,8 @@ impl Wave {
         for i in 0..self.current.len {
             let hits = &self.hits[i / LANES];
             let (mesh, triangle) = (hits.mesh[i % LANES], hits.triangle[i % LANES]);
-            let group = if mesh == MISS {
-                0
+            let group = if mesh & sphere::SPHERE != 0 {
+                0 // a lamp, or nothing at all
             } else {
                 let material = cx.meshes[mesh as usize].materials.get(triangle as usize);
                 1 + cx.materials[material as usize].bsdf.kind()
@@ -234,8 +238,21 @@ impl Wave {
         for &i in &groups.of[0] {
             let (chunk, lane) = (i as usize / LANES, i as usize % LANES);
             let (arrival, slot) = self.arrival(chunk, lane, depth);
-            let d = self.current.rays[chunk].d(lane);
-            job.integrator.miss(job.cx, d, &arrival, &mut PathSink { pushed: &mut self.pushed, slot });
+            let rays = &self.current.rays[chunk];
+            let (o, d) = (rays.o(lane), rays.d(lane));
+            let end = match self.hits[chunk].mesh[lane] {
+                MISS => End::Sky,
+                lamp => End::Sphere(lamp & !sphere::SPHERE),
+            };
+            if depth == 0
+                && job.layers
+                && let End::Sphere(i) = end
+            {
+                let hit =
+                    first_hit_of_lamp(&job.cx.lights.spheres[i as usize], o, d, self.hits[chunk].t[lane]);
+                tile.add_first_hit(self.pushed.slots[slot as usize].pixel as usize, arrival.key.index, &hit);
+            }
+            job.integrator.end(job.cx, end, o, d, &arrival, &mut PathSink { pushed: &mut self.pushed, slot });
         }
         let materials = job.cx.materials;
         macro_rules! shade_kind {
@@ -304,13 +321,16 @@ impl Wave {
 
     /// Traces the shadow rays; what is free reaches its sample.
     #[inline(always)]
-    fn connect(&mut self, accel: &dyn Intersector) {
+    fn connect<I: Integrator>(&mut self, job: &Job<'_, I>) {
         let Pushed { shadows, slots, .. } = &mut self.pushed;
         self.stats.shadow_rays += shadows.len as u64;
         for (chunk, mask) in shadows.chunks() {
             let rays = shadows.rays[chunk].check(mask);
             self.stats.rejected_rays += u64::from(rays.rejected());
-            let mut free = rays.active() & !accel.occluded(rays, Coherence::Incoherent);
+            let mut free = rays.active() & !job.accel.occluded(rays, Coherence::Incoherent);
+            if !job.cx.lights.spheres.is_empty() {
+                free &= !sphere::occluded(&job.cx.lights.spheres, rays);
+            }
             while free != 0 {
                 let lane = free.trailing_zeros() as usize;
                 free &= free - 1;
@@ -355,6 +375,13 @@ fn first_hit(cx: &Context<'_>, v: &Vertex, ids: [u32; 3]) -> FirstHit {
         uv: v.surface.uv,
         ids,
     }
+}
+
+/// A lamp is no mesh: it has no ids.
+fn first_hit_of_lamp(lamp: &Sphere, o: Vec3, d: Vec3, t: f32) -> FirstHit {
+    let position = o + d * t;
+    let normal = (position - lamp.center).normalize_or_zero();
+    FirstHit { depth: t, normal, albedo: Rgb::ZERO, position, uv: Vec2::ZERO, ids: [u32::MAX; 3] }
 }
 
 /// Seconds since `clock`, which is set to now.

@@ -1,6 +1,6 @@
 //! All lights of a scene, chosen by power.
 
-use super::{Environment, Light, Point};
+use super::{Directional, Environment, Light, Point, Sphere};
 use crate::math::distribution::AliasTable;
 use crate::math::ray::{Ray, leave};
 use crate::math::{Rgb, Vec2, Vec3, luminance, warp};
@@ -38,7 +38,18 @@ const ALMOST: f32 = 1.0 - 1e-5;
 enum Entry {
     Triangle { mesh: u32, triangle: u32 },
     Point(u32),
+    Directional(u32),
+    Sphere(u32),
     Environment,
+}
+
+/// Where a ray ends without meeting a mesh.
+#[derive(Clone, Copy, Debug)]
+pub enum End {
+    /// It hit nothing.
+    Sky,
+    /// The spherical lamp of that index.
+    Sphere(u32),
 }
 
 /// All lights of a scene, ready to be sampled.
@@ -49,10 +60,15 @@ pub struct Lights {
     /// The environment that rays meet which hit nothing.
     pub environment: Option<Environment>,
     points: Vec<Point>,
+    directionals: Vec<Directional>,
+    /// The spherical lamps, which rays meet besides the meshes.
+    pub spheres: Vec<Sphere>,
     entries: Vec<Entry>,
     table: AliasTable,
-    /// By entry, for points and the environment: the probability of being chosen.
+    /// By entry, except for triangles: the probability of being chosen.
     chance: Vec<f32>,
+    /// By spherical lamp: the same.
+    sphere_chance: Vec<f32>,
     /// By material: density per area with which [`Lights::sample`] chooses a point of such a triangle. The
     /// triangle's power is its area times a constant of the material, so the area cancels.
     density: Vec<f32>,
@@ -72,14 +88,11 @@ impl Lights {
     ) -> Lights {
         let mut lights = Lights {
             meshes: meshes.to_vec(),
-            environment: others.iter().find_map(|l| match l {
-                Light::Environment(e) => Some(*e),
-                Light::Point(_) => None,
-            }),
-            points: others
-                .iter()
-                .filter_map(|l| if let Light::Point(p) = l { Some(*p) } else { None })
-                .collect(),
+            environment: None,
+            points: Vec::new(),
+            directionals: Vec::new(),
+            spheres: Vec::new(),
+            sphere_chance: Vec::new(),
             density: vec![0.0; emissions.len()],
             emissions,
             entries: Vec::new(),
@@ -87,19 +100,43 @@ impl Lights {
             chance: Vec::new(),
             environment_chance: 0.0,
         };
+        for light in others {
+            match light {
+                Light::Environment(e) => lights.environment = Some(*e),
+                Light::Point(p) => lights.points.push(*p),
+                Light::Directional(d) => lights.directionals.push(*d),
+                Light::Sphere(s) => lights.spheres.push(*s),
+            }
+        }
+        // The disk that parallel light and the sky shine on; a scene without extent has any.
+        let disk = PI * if radius > 0.0 { f64::from(radius).powi(2) } else { 1.0 };
         let mut powers = Vec::new();
         lights.collect_triangles(&mut powers);
-        for (i, point) in lights.points.iter().enumerate() {
-            lights.entries.push(Entry::Point(i as u32));
-            powers.push(4.0 * PI * f64::from(luminance(point.intensity)));
-        }
+        lights.collect_others(disk, &mut powers);
         if let Some(environment) = lights.environment.filter(|e| sample_all || e.deserves_samples()) {
-            let disk = PI * f64::from(radius.max(1e-3)).powi(2);
             lights.entries.push(Entry::Environment);
             powers.push(4.0 * PI * disk * f64::from(luminance(environment.average())));
         }
         lights.weigh(&powers);
         lights
+    }
+
+    /// Adds points, parallel lights and spheres with their powers.
+    fn collect_others(&mut self, disk: f64, powers: &mut Vec<f64>) {
+        for (i, point) in self.points.iter().enumerate() {
+            self.entries.push(Entry::Point(i as u32));
+            powers.push(4.0 * PI * f64::from(luminance(point.intensity)));
+        }
+        for (i, light) in self.directionals.iter().enumerate() {
+            self.entries.push(Entry::Directional(i as u32));
+            powers.push(disk * f64::from(luminance(light.irradiance)));
+        }
+        for (i, sphere) in self.spheres.iter().enumerate() {
+            self.entries.push(Entry::Sphere(i as u32));
+            powers.push(
+                4.0 * PI * PI * f64::from(sphere.radius).powi(2) * f64::from(luminance(sphere.radiance)),
+            );
+        }
     }
 
     /// Adds every emissive triangle with its power π·L·A·sides.
@@ -134,6 +171,9 @@ impl Lights {
         self.chance = powers.iter().map(|p| (p / total) as f32).collect();
         self.density =
             (0..self.emissions.len() as u32).map(|m| (self.power_per_area(m) / total) as f32).collect();
+        let pairs = self.entries.iter().zip(&self.chance);
+        let of_spheres = pairs.filter_map(|(e, c)| matches!(e, Entry::Sphere(_)).then_some(*c));
+        self.sphere_chance = of_spheres.collect();
         if let Some(Entry::Environment) = self.entries.last() {
             self.environment_chance = self.chance.last().copied().unwrap_or(0.0);
         }
@@ -159,9 +199,27 @@ impl Lights {
         self.density[material as usize] * t * t / surface.ng.dot(wo).abs()
     }
 
-    /// Density per solid angle with which [`Lights::sample`] would have chosen the environment's direction `d`.
+    /// Radiance at the end of a ray from `o` along `d` that meets no mesh, and the density per solid angle with
+    /// which [`Lights::sample`] would have chosen that direction.
     #[inline(always)]
-    pub fn pdf_of_miss(&self, d: Vec3) -> f32 {
+    pub fn at_end(&self, end: End, o: Vec3, d: Vec3) -> (Rgb, f32) {
+        match end {
+            End::Sky => match &self.environment {
+                Some(environment) => (environment.le(d), self.pdf_of_sky(d)),
+                None => (Rgb::ZERO, 0.0),
+            },
+            End::Sphere(i) => {
+                let sphere = &self.spheres[i as usize];
+                let chance = self.sphere_chance.get(i as usize).copied().unwrap_or(0.0);
+                let pdf = sphere.pdf(o);
+                // Seen from inside it is black.
+                if pdf > 0.0 { (sphere.radiance, chance * pdf) } else { (Rgb::ZERO, 0.0) }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn pdf_of_sky(&self, d: Vec3) -> f32 {
         match &self.environment {
             Some(environment) if self.environment_chance > 0.0 => {
                 self.environment_chance * environment.pdf(d)
@@ -177,6 +235,10 @@ impl Lights {
         match self.entries[entry] {
             Entry::Triangle { mesh, triangle } => self.sample_triangle(from, mesh, triangle, u),
             Entry::Point(i) => sample_point(from, &self.points[i as usize], self.chance[entry]),
+            Entry::Directional(i) => {
+                Some(sample_directional(from, &self.directionals[i as usize], self.chance[entry]))
+            }
+            Entry::Sphere(i) => sample_sphere(from, &self.spheres[i as usize], self.chance[entry], u),
             Entry::Environment => self.sample_environment(from, u),
         }
     }
@@ -228,6 +290,23 @@ fn sample_point(from: &Surface, point: &Point, chance: f32) -> Option<LightSampl
     let shadow = Ray { o: start, d: point.position - start, tmax: 1.0 };
     let radiance_over_pdf = point.intensity / (distance_squared * chance);
     Some(LightSample { wi, radiance_over_pdf, pdf: f32::INFINITY, shadow })
+}
+
+/// Parallel light: its irradiance is that of a plane facing it, so f_cos alone weighs it.
+#[inline(always)]
+fn sample_directional(from: &Surface, light: &Directional, chance: f32) -> LightSample {
+    let wi = -light.direction;
+    let shadow = Ray { o: leave(from.p, from.error, from.ng, wi), d: wi, tmax: f32::INFINITY };
+    LightSample { wi, radiance_over_pdf: light.irradiance / chance, pdf: f32::INFINITY, shadow }
+}
+
+#[inline(always)]
+fn sample_sphere(from: &Surface, sphere: &Sphere, chance: f32, u: [f32; 2]) -> Option<LightSample> {
+    let (wi, pdf, t) = sphere.sample(from.p, u)?;
+    let pdf = pdf * chance;
+    let start = leave(from.p, from.error, from.ng, wi);
+    let shadow = Ray { o: start, d: from.p + wi * t - start, tmax: ALMOST };
+    Some(LightSample { wi, radiance_over_pdf: sphere.radiance / pdf, pdf, shadow })
 }
 
 /// A point on an emitter; texture coordinates and shading normals play no part in emission.

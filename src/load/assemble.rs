@@ -291,6 +291,8 @@ fn place_light(light: &LightPlan, origin: DVec3, up: DVec3, forward: DVec3) -> O
 fn is_dark(scene: &Scene) -> bool {
     let dark = |light: &Light| match light {
         Light::Environment(environment) => environment.average() == Rgb::ZERO,
+        Light::Directional(d) => d.irradiance == Rgb::ZERO,
+        Light::Sphere(s) => s.radiance == Rgb::ZERO,
         Light::Point(point) => point.intensity == Rgb::ZERO,
     };
     scene.lights.iter().all(dark) && scene.materials.iter().all(|m| m.emission == Rgb::ZERO)

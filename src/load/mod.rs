@@ -15,6 +15,7 @@ pub mod mtl;
 pub mod obj;
 mod object;
 pub mod open;
+pub mod picture;
 mod place;
 mod scene_file;
 

@@ -330,7 +330,7 @@ impl Reader<'_> {
 
     fn number_of(&mut self, key: &str, rest: &[u8]) -> Option<f64> {
         // `d -halo 0.5`: transparent in the middle; taken as an even opacity.
-        let value = words(rest).find(|w| w.to_ascii_lowercase() != b"-halo").and_then(whole_number);
+        let value = words(rest).find(|w| !w.eq_ignore_ascii_case(b"-halo")).and_then(whole_number);
         if value.is_none() {
             self.ignored(key, "it needs a number");
         }

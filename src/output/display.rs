@@ -2,6 +2,7 @@
 
 use super::Options;
 use crate::film::Image;
+use crate::math::srgb::srgb_to_linear;
 
 /// The curve that brings values above one into a display's range; applied to each colour channel by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -36,16 +37,6 @@ impl ToneMap {
             ToneMap::Filmic => ((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)).min(1.0),
         }
     }
-}
-
-/// The sRGB transfer function's inverse (IEC 61966-2-1): encoded value in [0, 1] to linear.
-pub fn srgb_to_linear(encoded: f64) -> f64 {
-    if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
-}
-
-/// The sRGB transfer function (IEC 61966-2-1): linear value in [0, 1] to encoded.
-pub fn linear_to_srgb(linear: f64) -> f64 {
-    if linear <= 0.0031308 { linear * 12.92 } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 }
 }
 
 /// Rounds linear values to the nearest of the 256 sRGB codes.

@@ -17,8 +17,11 @@ mod split;
 mod traverse;
 mod triangle;
 
+#[cfg(test)]
+mod tests;
+
 use super::{BuildOptions, Checked, Coherence, Hits, Intersector, LANES, MISS, Mask};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::math::isa::{self, Isa, Kernel};
 use crate::shape::Mesh;
 use ray::Ray;
@@ -35,7 +38,15 @@ impl Bvh {
     /// Builds the hierarchy. Triangles of zero area are left out. Fails when memory runs out, when there are
     /// more than 2²⁸ triangles, or when the progress callback cancels.
     pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Self> {
-        Ok(Bvh { tree: build::build(meshes, options)?, isa: options.isa.unwrap_or_else(Isa::best) })
+        let build = || build::build(meshes, options);
+        let tree = if options.threads == 0 || options.threads >= rayon::current_num_threads() {
+            build()?
+        } else {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build();
+            pool.map_err(|e| Error::new(format!("cannot start threads for the build: {e}")))?
+                .install(build)?
+        };
+        Ok(Bvh { tree, isa: options.isa.unwrap_or_else(Isa::best) })
     }
 
     fn tree(&self) -> Option<Tree<'_>> {

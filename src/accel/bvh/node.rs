@@ -49,7 +49,7 @@ impl Child {
     pub const MAX_BLOCKS: usize = 1 << Self::COUNT_BITS;
     /// The most blocks a structure can have, 2²⁸, and the most nodes.
     pub const MAX_INDEX: usize = 1 << 28;
-    /// A slot without a child; its box is empty, so it is never entered.
+    /// A slot without a child (the root is nobody's); its box is empty, so it is never entered.
     pub const NONE: Child = Child(0);
 
     /// The node of that index.
@@ -64,9 +64,10 @@ impl Child {
 
     /// The same child after nodes and blocks moved up by these numbers.
     pub fn moved(self, nodes: usize, blocks: usize) -> Child {
-        match self.is_leaf() {
-            true => Child(self.0 + ((blocks as u32) << Self::COUNT_BITS)),
-            false => Child(self.0 + nodes as u32),
+        match self {
+            Self::NONE => self,
+            _ if self.is_leaf() => Child(self.0 + ((blocks as u32) << Self::COUNT_BITS)),
+            _ => Child(self.0 + nodes as u32),
         }
     }
 

@@ -14,7 +14,7 @@
 //!   only, and leaves are sorted. *High* is the same as *medium* in a robust scene; it is mapped to it.
 //! - Quality *low* is a Morton tree a geometry under a top level whose order is a race between threads,
 //!   and rays take 2–5 times as long through many of them. So all meshes go into one geometry there
-//!   ([`merged`]), which is as deterministic as *medium*.
+//!   (`merged.rs`), which is as deterministic as *medium*.
 
 mod device;
 mod merged;

@@ -24,25 +24,31 @@ pub(super) fn sound(positions: &Positions, corners: [u32; 3], base: u32) -> [u32
     }
 }
 
-/// Meshes, and for those that have triangles without area a copy of the indices that leaves them out.
-pub(super) struct Shared(Vec<(Arc<Mesh>, Option<Vec<[u32; 3]>>)>);
+/// The meshes, in order.
+pub(super) struct Shared(Vec<Part>);
+
+struct Part {
+    mesh: Arc<Mesh>,
+    /// Instead of the mesh's own, where some of its triangles are left out.
+    indices: Option<Vec<[u32; 3]>>,
+}
 
 impl Shared {
     pub(super) fn new(meshes: &[Arc<Mesh>]) -> Result<Self> {
-        let part = |mesh: &Arc<Mesh>| Ok((mesh.clone(), without_flat(mesh)?));
+        let part = |mesh: &Arc<Mesh>| Ok(Part { mesh: mesh.clone(), indices: without_flat(mesh)? });
         Ok(Shared(meshes.iter().map(part).collect::<Result<_>>()?))
     }
 
-    /// The meshes' buffers, in order.
+    /// The buffers, in order.
     pub(super) fn buffers(&self) -> impl Iterator<Item = Buffers<'_>> {
-        self.0
-            .iter()
-            .map(|(mesh, own)| Buffers::new(&mesh.positions, own.as_deref().unwrap_or(&mesh.indices)))
+        self.0.iter().map(|Part { mesh, indices }| {
+            Buffers::new(&mesh.positions, indices.as_deref().unwrap_or(&mesh.indices))
+        })
     }
 
     /// Bytes of the copies.
     pub(super) fn bytes(&self) -> usize {
-        self.0.iter().flat_map(|(_, own)| own).map(|own| own.len() * 12).sum()
+        self.0.iter().flat_map(|part| &part.indices).map(|own| own.len() * 12).sum()
     }
 }
 

@@ -91,7 +91,7 @@ fn a_triangle_is_hit_where_it_is_from_both_sides() {
         for (z, coherence) in [(2.0, Coherence::Coherent), (-2.0, Coherence::Incoherent)] {
             // p = (1 − u − v)·v0 + u·v1 + v·v2 = (u, v, 0), every number a power of two.
             let rays = sixteen(Vec3::new(0.25, 0.5, z), Vec3::new(0.0, 0.0, -z / 4.0));
-            for active in [1 << 5, 0b11, !0] {
+            for active in [1 << 5, 0b11, 0x1fff, !0] {
                 let mut hits = Hits::default();
                 embree.closest(rays.check(active), coherence, &mut hits);
                 for lane in (0..LANES).filter(|lane| active >> lane & 1 == 1) {
@@ -266,13 +266,13 @@ fn a_build_can_be_cancelled_at_any_call() {
     let meshes = [Arc::new(terrain(128, 4)), Arc::new(terrain(64, 5))];
     for quality in QUALITIES {
         for stop in 0..6 {
+            // Says no exactly once: the build must remember it.
             let calls = AtomicUsize::new(0);
-            let progress = |_: f64| calls.fetch_add(1, Ordering::Relaxed) < stop;
+            let progress = |_: f64| calls.fetch_add(1, Ordering::Relaxed) != stop;
             let options = BuildOptions { quality, progress: &progress, ..BuildOptions::default() };
             let error = Embree::build(&meshes, &options).err().map(|e| e.message);
-            if calls.load(Ordering::Relaxed) > stop {
-                assert_eq!(error, Some(cancelled().message));
-            }
+            assert!(calls.load(Ordering::Relaxed) > stop, "Embree asks too rarely to be cancelled");
+            assert_eq!(error, Some(cancelled().message), "{quality:?}, call {stop}");
         }
     }
 }
@@ -311,13 +311,13 @@ fn the_backend_keeps_its_meshes_alive() {
 /// Builds at the same time, then questions from many threads: the same bits as alone.
 #[test]
 fn threads_change_nothing() {
-    // Twins: every point is on two meshes, so that each ray has a tie for luck to decide.
-    let meshes: Vec<_> = (0..6).map(|i| Arc::new(terrain(96, i / 2))).collect();
+    // Forty copies: each ray has a tie for luck to decide.
+    let meshes: Vec<_> = (0..40).map(|_| Arc::new(terrain(24, 7))).collect();
     let ask = |embree: &Embree| {
         let mut random = ChaCha8Rng::seed_from_u64(9);
         let mut all = Vec::new();
         for _ in 0..200 {
-            let rays = rays_at_terrain(&mut random, 96.0);
+            let rays = rays_at_terrain(&mut random, 24.0);
             let mut hits = Hits::default();
             embree.closest(rays.check(!0), Coherence::Incoherent, &mut hits);
             all.extend(bits(&hits));

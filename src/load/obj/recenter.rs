@@ -40,7 +40,7 @@ impl Bounds {
     }
 
     fn is_empty(self) -> bool {
-        !(self.low.x <= self.high.x)
+        self.low.x > self.high.x
     }
 }
 
@@ -69,7 +69,7 @@ pub(super) fn choose_origin(
 
 fn origin_of(bounds: Bounds) -> DVec3 {
     let (center, extent) = (bounds.center(), bounds.extent());
-    if !(extent > 0.0) || center.abs().max_element() <= FAR * extent {
+    if extent <= 0.0 || center.abs().max_element() <= FAR * extent {
         return DVec3::ZERO;
     }
     let step = power_of_two_above((2.0 * FAR + 1.0) * extent);

@@ -1,0 +1,170 @@
+//! What only the inside shows: the tree's shape and the claim that boxes never change an answer.
+
+use super::node::Child;
+use super::ray::Ray;
+use super::split::PARALLEL;
+use super::traverse::{MAX_DEPTH, Stack, Tree};
+use super::triangle::Hit;
+use super::{build, build::Built};
+use crate::accel::BuildOptions;
+use crate::shape::Mesh;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use std::sync::Arc;
+
+struct Random(ChaCha8Rng);
+
+impl Random {
+    fn unit(&mut self) -> f32 {
+        (self.0.next_u32() >> 8) as f32 / (1 << 24) as f32
+    }
+
+    fn cube(&mut self) -> [f32; 3] {
+        [0; 3].map(|_| self.unit() * 2.0 - 1.0)
+    }
+}
+
+fn random(seed: u64) -> Random {
+    Random(ChaCha8Rng::seed_from_u64(seed))
+}
+
+fn soup(n: u32, size: f32, map: impl Fn([f32; 3]) -> [f32; 3]) -> Mesh {
+    let mut random = random(n as u64);
+    let mut positions = Vec::new();
+    for _ in 0..n {
+        let at = random.cube();
+        for _ in 0..3 {
+            let off = random.cube();
+            positions.push(map([0, 1, 2].map(|k| at[k] + size * off[k])));
+        }
+    }
+    Mesh::new(positions, (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+}
+
+fn built(mesh: Mesh) -> Built {
+    build::build(&[Arc::new(mesh)], &BuildOptions::default()).expect("builds")
+}
+
+/// Depth of the tree, having checked that every triangle is in exactly one leaf, inside all boxes above.
+fn check(tree: &Built) -> usize {
+    fn visit(tree: &Built, child: Child, lo: [f32; 3], hi: [f32; 3], seen: &mut Vec<u64>) -> usize {
+        if child.is_leaf() {
+            for block in &tree.blocks[child.blocks()] {
+                for lane in (0..4).filter(|&lane| block.mesh[lane] != u32::MAX) {
+                    seen.push((block.mesh[lane] as u64) << 32 | block.triangle[lane] as u64);
+                    for k in 0..3 {
+                        let x = block.corners.map(|corner| corner[k][lane]);
+                        assert!(x.iter().all(|x| lo[k] <= *x && *x <= hi[k]), "outside of its box");
+                    }
+                }
+            }
+            return 0;
+        }
+        let node = &tree.nodes[child.index()];
+        let used = (0..8).filter(|&slot| node.children[slot] != Child::NONE);
+        let depths = used.map(|slot| {
+            let (lo, hi) =
+                ([0, 1, 2].map(|k| node.planes[k][0][slot]), [0, 1, 2].map(|k| node.planes[k][1][slot]));
+            visit(tree, node.children[slot], lo, hi, seen)
+        });
+        1 + depths.collect::<Vec<_>>().into_iter().max().unwrap_or(0)
+    }
+    let mut seen = Vec::new();
+    let (lo, hi) = ([f32::NEG_INFINITY; 3], [f32::INFINITY; 3]);
+    let depth = visit(tree, Child::node(0), lo, hi, &mut seen);
+    let all = seen.len();
+    seen.sort_unstable();
+    seen.dedup();
+    assert_eq!(seen.len(), all, "a triangle in two leaves");
+    assert!(depth <= MAX_DEPTH);
+    depth
+}
+
+/// Every triangle tested, in an order of its own.
+fn linear(tree: &Built, ray: &Ray) -> Option<Hit> {
+    let mut best: Option<Hit> = None;
+    for block in tree.blocks.iter().rev() {
+        for hit in (0..4).filter_map(|lane| block.hit(lane, ray, ray.tmax)) {
+            if best.is_none_or(|b| (hit.t, hit.id) < (b.t, b.id)) {
+                best = Some(hit);
+            }
+        }
+    }
+    best
+}
+
+#[test]
+fn the_tree_never_changes_an_answer() {
+    let place = |scale: f32, offset: f32| move |p: [f32; 3]| p.map(|x| x * scale + offset);
+    let meshes = [
+        soup(500, 0.2, |p| p),
+        soup(500, 0.01, |p| p),
+        soup(300, 0.2, |[x, y, z]| [x, y, z * 1e-6]),
+        soup(300, 0.2, |p| p.map(|x| (x * 4.0).round())),
+        soup(300, 0.2, |[x, y, _]| [(x * 4.0).round(), y, 1.0]),
+        soup(300, 0.1, place(1e-3, 1e3)),
+        soup(300, 0.1, place(1e-30, 0.0)),
+        soup(300, 0.1, place(1e-42, 0.0)),
+        soup(300, 0.1, place(4e17, 0.0)),
+    ];
+    let mut random = random(1);
+    let mut hits = 0;
+    for mesh in meshes {
+        let bounds = mesh.bounds();
+        let (center, half) = (bounds.center().to_array(), (bounds.extent() * 0.5).to_array());
+        let tree = built(mesh);
+        check(&tree);
+        let view = Tree { nodes: &tree.nodes, blocks: &tree.blocks };
+        let mut stack = Stack::default();
+        for i in 0..1500 {
+            let mut point = |spread: f32| {
+                let p = random.cube();
+                [0, 1, 2].map(|k| center[k] + half[k] * spread * p[k])
+            };
+            let (o, target) = (point(if i % 3 == 0 { 1.0 } else { 2.0 }), point(1.0));
+            let mut d = [0, 1, 2].map(|k| target[k] - o[k]);
+            if i % 4 == 0 {
+                d[i / 4 % 3] = if i % 8 == 0 { 0.0 } else { -0.0 };
+            }
+            let tmin = if i % 5 == 0 { -2.0 } else { 0.0 };
+            let Some(ray) = Ray::new(o, d, tmin, f32::INFINITY) else { continue };
+            let key = |hit: Option<Hit>| hit.map(|h| (h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.id));
+            let found = view.closest(&ray, &mut stack);
+            assert_eq!(key(found), key(linear(&tree, &ray)));
+            assert_eq!(view.occluded(&ray, &mut stack), found.is_some());
+            hits += found.is_some() as u32;
+        }
+    }
+    assert!(hits > 3000, "{hits} hits show little");
+}
+
+#[test]
+fn the_same_tree_on_any_number_of_threads() {
+    let meshes = [Arc::new(soup(PARALLEL as u32 + 1000, 0.01, |p| p))];
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| build::build(&meshes, &BuildOptions::default())).expect("builds")
+    };
+    let one = on(1);
+    check(&one);
+    for threads in [2, 5] {
+        let other = on(threads);
+        let text = |b: &Built| (format!("{:?}", b.nodes), format!("{:?}", b.blocks));
+        assert!(text(&one) == text(&other), "{threads} threads");
+    }
+}
+
+#[test]
+fn ordinary_and_degenerate_trees_are_shallow() {
+    assert!(check(&built(soup(50_000, 0.01, |p| p))) <= 9);
+    let same = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]; 300_000]);
+    assert!(check(&built(same)) <= 9);
+    // Each triangle twice as large as all before it: the heuristic peels them off one by one.
+    let mut positions = Vec::new();
+    for i in 0..4000u32 {
+        let s = f32::from_bits((i / 20 + 20) << 23) * (1.0 + (i % 20) as f32 * 0.04);
+        positions.extend([[s, 0.0, 0.0], [0.0, s, 0.0], [s, s, s]]);
+    }
+    let n = positions.len() as u32 / 3;
+    check(&built(Mesh::new(positions, (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())));
+}

@@ -1,0 +1,130 @@
+//! OpenEXR: the colour channels of the first layer that has them, of any sample type.
+
+use super::{Encoding, Picture, check_size};
+use crate::error::{Error, Result};
+use crate::film::Image;
+use ::exr::image::read::read;
+use ::exr::math::Vec2;
+use ::exr::meta::MetaData;
+use ::exr::meta::attribute::{AttributeValue, Text};
+use ::exr::meta::header::Header;
+use ::exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel};
+use std::io::Cursor;
+
+/// Pixels being filled, and their number in a row.
+struct Grid {
+    width: usize,
+    pixels: Vec<[f32; 3]>,
+}
+
+impl Grid {
+    fn new(size: Vec2<usize>) -> Grid {
+        Grid { width: size.width(), pixels: vec![[0.0; 3]; size.area()] }
+    }
+
+    fn set(&mut self, at: Vec2<usize>, colour: [f32; 3]) {
+        if let Some(pixel) = self.pixels.get_mut(at.y() * self.width + at.x()) {
+            *pixel = colour;
+        }
+    }
+}
+
+pub(super) fn decode(bytes: &[u8]) -> Result<Picture> {
+    let damaged = |e: ::exr::error::Error| Error::new(format!("cannot decode the OpenEXR file: {e}"));
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(damaged)?;
+    // Every header is checked: the reader below chooses the layer by itself.
+    for header in &meta.headers {
+        check_size(header.layer_size.width() as u64, header.layer_size.height() as u64)?;
+    }
+    let (header, names) =
+        meta.headers.iter().filter(|h| !h.deep).find_map(|h| Some((h, colour_names(h)?))).ok_or_else(
+            || {
+                Error::new("the OpenEXR file has no colour channels")
+                    .advise("R, G, B or Y are looked for, in any layer")
+            },
+        )?;
+
+    let flat = read().no_deep_data().largest_resolution_level();
+    let input = Cursor::new(bytes);
+    let grid = match names {
+        ColourNames::Rgb([r, g, b]) => {
+            flat.specific_channels()
+                .required(r)
+                .required(g)
+                .required(b)
+                .collect_pixels(
+                    |size, _| Grid::new(size),
+                    |grid: &mut Grid, at, (r, g, b): (f32, f32, f32)| grid.set(at, [r, g, b]),
+                )
+                .first_valid_layer()
+                .all_attributes()
+                .non_parallel()
+                .from_buffered(input)
+                .map_err(damaged)?
+                .layer_data
+                .channel_data
+                .pixels
+        }
+        ColourNames::Grey(y) => {
+            flat.specific_channels()
+                .required(y)
+                .collect_pixels(
+                    |size, _| Grid::new(size),
+                    |grid: &mut Grid, at, (y,): (f32,)| grid.set(at, [y; 3]),
+                )
+                .first_valid_layer()
+                .all_attributes()
+                .non_parallel()
+                .from_buffered(input)
+                .map_err(damaged)?
+                .layer_data
+                .channel_data
+                .pixels
+        }
+    };
+    Ok(Picture { image: with_windows(header, &grid), encoding: Encoding::Linear })
+}
+
+enum ColourNames {
+    Rgb([Text; 3]),
+    Grey(Text),
+}
+
+/// `R`, `G`, `B`, else the first layer's `NAME.R` … in alphabetical order, else the luminance `Y`.
+fn colour_names(header: &Header) -> Option<ColourNames> {
+    let names: Vec<String> = header.channels.list.iter().map(|c| c.name.to_string()).collect();
+    let all_three = |prefix: &str| {
+        let three = ["R", "G", "B"].map(|c| format!("{prefix}{c}"));
+        three
+            .iter()
+            .all(|n| names.contains(n))
+            .then(|| ColourNames::Rgb(three.map(|n| Text::from(n.as_str()))))
+    };
+    all_three("")
+        .or_else(|| {
+            names.iter().filter_map(|n| n.strip_suffix('R')).filter(|p| p.ends_with('.')).find_map(all_three)
+        })
+        .or_else(|| names.iter().any(|n| n == "Y").then(|| ColourNames::Grey(Text::from("Y"))))
+}
+
+fn with_windows(header: &Header, grid: &Grid) -> Image {
+    let settings = match header.own_attributes.other.get(b"drt".as_slice()) {
+        Some(AttributeValue::Text(text)) => String::from_utf8_lossy(text.bytes()).into_owned(),
+        _ => String::new(),
+    };
+    let (width, height) = (header.layer_size.width() as u32, header.layer_size.height() as u32);
+    let mut image = Image::from_rgb(width, height, &grid.pixels, settings);
+    let display = header.shared_attributes.display_window;
+    let from = header.own_attributes.layer_position - display.position;
+    let place = |from: i32, size: u32, full: usize| {
+        let (from, full) = (u32::try_from(from).ok()?, u32::try_from(full).ok()?);
+        (from.checked_add(size)? <= full).then_some((from, full))
+    };
+    let x = place(from.x(), width, display.size.width());
+    let y = place(from.y(), height, display.size.height());
+    if let (Some((x, full_width)), Some((y, full_height))) = (x, y) {
+        image.offset = [x, y];
+        image.full_size = [full_width, full_height];
+    }
+    image
+}
