@@ -7,7 +7,7 @@ use super::place::{Extent, NormalsMode, Transform, place, rename_materials};
 use super::scene_file::{LightPlan, MaterialPatch, MeshPlan, Plan};
 use super::{Loaded, Options, cancelled};
 use crate::error::{Error, Finding, Findings, Result, Severity, unknown_word_advice};
-use crate::light::{Light, Point};
+use crate::light::{Directional, Light, Point, Sphere};
 use crate::math::{DVec3, Rgb};
 use crate::scene::{IntegratorKind, Scene};
 use crate::shape::{FaceMaterials, Mesh};
@@ -61,6 +61,9 @@ pub(super) fn assemble(plan: Plan<'_>, input: &Path, options: &Options<'_>) -> R
         let bounds = meshes.iter().fold(crate::math::Aabb::EMPTY, |b, m| b.union(m.bounds()));
         let id = palette.add(MaterialSpec::diffuse("ground", auto::GROUND));
         meshes.push(Arc::new(auto::ground(&bounds, up, id)));
+    }
+    for light in &plan.lights {
+        meshes.extend(lamp(light, origin, &mut palette).map(Arc::new));
     }
     let forward = camera.look_at - camera.position;
     let lights = plan.lights.iter().filter_map(|light| place_light(light, origin, up, forward)).collect();
@@ -284,7 +287,28 @@ fn place_light(light: &LightPlan, origin: DVec3, up: DVec3, forward: DVec3) -> O
         LightPlan::Point { position, intensity } => {
             Some(Light::Point(Point { position: (*position - origin).as_vec3(), intensity: *intensity }))
         }
+        LightPlan::Directional { direction, irradiance } => {
+            Some(Light::Directional(Directional { direction: direction.as_vec3(), irradiance: *irradiance }))
+        }
+        LightPlan::Sphere { center, radius, radiance } => Some(Light::Sphere(Sphere {
+            center: (*center - origin).as_vec3(),
+            radius: *radius as f32,
+            radiance: *radiance,
+        })),
+        LightPlan::Rectangle { .. } => None,
     }
+}
+
+/// The mesh of a flat lamp: black, shining from the side of edge_u × edge_v or from both.
+fn lamp(light: &LightPlan, origin: DVec3, palette: &mut Palette<'_>) -> Option<Mesh> {
+    let LightPlan::Rectangle { corner, edges: [u, v], radiance, two_sided } = light else { return None };
+    let corner = *corner - origin;
+    let corners = [corner, corner + *u, corner + *u + *v, corner + *v];
+    let mut mesh = Mesh::new(corners.map(|p| p.as_vec3().to_array()).to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
+    let black = MaterialSpec::diffuse("lamp", Rgb::ZERO);
+    let id = palette.add(MaterialSpec { emission: *radiance, two_sided: *two_sided, ..black });
+    mesh.materials = FaceMaterials::Uniform(id);
+    Some(mesh)
 }
 
 /// No light, or only lights of radiance zero.

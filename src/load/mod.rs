@@ -94,8 +94,8 @@ pub fn scene(input: &Path, mut options: Options<'_>) -> Result<Loaded> {
         // The tree holds text; a path need not be any.
         mesh.file = input.to_path_buf();
     }
-    if plan.meshes.is_empty() && !plan.lights.iter().any(|light| light.is_environment()) {
-        return Err(Error::new("the scene has no mesh")
+    if plan.meshes.is_empty() && plan.lights.is_empty() {
+        return Err(Error::new("the scene has no mesh and no light")
             .at(input)
             .advise("add a [[mesh]] with file = \"….obj\""));
     }

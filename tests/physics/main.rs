@@ -11,3 +11,5 @@ mod convergence;
 mod direct;
 mod harness;
 mod invariance;
+mod lamps;
+mod materials;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::output::{self, FORMATS, Format};
-use ::exr::prelude::{WritableImage, f16};
+use ::exr::prelude::f16;
 use std::path::PathBuf;
 
 fn gradient(width: u32, height: u32) -> Image {

@@ -15,12 +15,18 @@ pub(crate) enum LightPlan {
     Sky { sky: Sky, up: Option<DVec3>, scale: f32 },
     /// A point.
     Point { position: DVec3, intensity: Rgb },
+    /// Parallel light; a unit direction.
+    Directional { direction: DVec3, irradiance: Rgb },
+    /// A spherical lamp.
+    Sphere { center: DVec3, radius: f64, radiance: Rgb },
+    /// A flat lamp that faces edge_u × edge_v.
+    Rectangle { corner: DVec3, edges: [DVec3; 2], radiance: Rgb, two_sided: bool },
 }
 
 impl LightPlan {
     /// True for light from infinitely far away.
     pub fn is_environment(&self) -> bool {
-        !matches!(self, LightPlan::Point { .. })
+        matches!(self, LightPlan::Constant(_) | LightPlan::Sky { .. })
     }
 }
 
@@ -41,12 +47,18 @@ pub(super) fn read_all(field: &Field<'_>) -> Result<Vec<LightPlan>> {
 enum Kind {
     Environment,
     Point,
+    Directional,
+    Sphere,
+    Rectangle,
 }
 
 fn kind(word: &str) -> Result<Kind> {
     match word {
         "environment" => Ok(Kind::Environment),
         "point" => Ok(Kind::Point),
+        "directional" => Ok(Kind::Directional),
+        "sphere" => Ok(Kind::Sphere),
+        "rectangle" => Ok(Kind::Rectangle),
         _ => {
             let known: Vec<&str> = Light::NAMES.iter().map(|n| n.0).collect();
             Err(Error::new(format!("unknown light \"{word}\"")).advise(unknown_word_advice(word, &known)))
@@ -55,15 +67,41 @@ fn kind(word: &str) -> Result<Kind> {
 }
 
 fn read(mut light: Section<'_>, field: &Field<'_>) -> Result<LightPlan> {
-    const LATER: &[&str] = &["spot", "directional", "sphere", "rectangle", "sun-sky"];
+    const LATER: &[&str] = &["spot", "sun-sky"];
     let missing = |key: &str| field.error(format!("{} has no {key}", field.name()));
     let kind = light.read("type", |f| f.word(LATER, kind))?;
-    let plan = match kind.ok_or_else(|| missing("type").advise("e.g. type = \"environment\""))? {
+    let kind = kind.ok_or_else(|| missing("type").advise("e.g. type = \"environment\""))?;
+    let point = |light: &mut Section<'_>, key: &'static str| {
+        light.read(key, |f| f.point())?.ok_or_else(|| missing(key))
+    };
+    let color = |light: &mut Section<'_>, key: &'static str| {
+        light.read(key, |f| f.color(LIGHT))?.ok_or_else(|| missing(key))
+    };
+    let plan = match kind {
         Kind::Environment => environment(&mut light)?,
         Kind::Point => LightPlan::Point {
-            position: light.read("position", |f| f.point())?.ok_or_else(|| missing("position"))?,
-            intensity: light.read("intensity", |f| f.color(LIGHT))?.ok_or_else(|| missing("intensity"))?,
+            position: point(&mut light, "position")?,
+            intensity: color(&mut light, "intensity")?,
         },
+        Kind::Directional => LightPlan::Directional {
+            direction: light.read("direction", unit)?.ok_or_else(|| missing("direction"))?,
+            irradiance: color(&mut light, "irradiance")?,
+        },
+        Kind::Sphere => LightPlan::Sphere {
+            center: point(&mut light, "center")?,
+            radius: light.read("radius", |f| f.number(1e-9..=1e9))?.ok_or_else(|| missing("radius"))?,
+            radiance: color(&mut light, "radiance")?,
+        },
+        Kind::Rectangle => {
+            let corner = point(&mut light, "corner")?;
+            let edges = [point(&mut light, "edge_u")?, point(&mut light, "edge_v")?];
+            if edges[0].cross(edges[1]) == DVec3::ZERO {
+                return Err(field.error(format!("{}: edge_u and edge_v span no area", field.name())));
+            }
+            let radiance = color(&mut light, "radiance")?;
+            let two_sided = light.read("two_sided", |f| f.bool())?.unwrap_or(true);
+            LightPlan::Rectangle { corner, edges, radiance, two_sided }
+        }
     };
     light.finish()?;
     Ok(plan)
@@ -83,9 +121,11 @@ fn environment(light: &mut Section<'_>) -> Result<LightPlan> {
     if radiance.is_some() {
         return Err(sky.error("sky and radiance exclude each other").advise("scale makes a sky brighter"));
     }
-    let up = up.map(|f| {
-        f.point()
-            .and_then(|p| p.try_normalize().ok_or_else(|| f.error(format!("{} has no direction", f.name()))))
-    });
-    Ok(LightPlan::Sky { sky: sky.word(&[], Sky::from_name)?, up: up.transpose()?, scale })
+    Ok(LightPlan::Sky { sky: sky.word(&[], Sky::from_name)?, up: up.map(unit).transpose()?, scale })
+}
+
+/// A direction of any length but zero.
+fn unit(field: Field<'_>) -> Result<DVec3> {
+    let no_direction = || field.error(format!("{} has no direction", field.name()));
+    field.point()?.try_normalize().ok_or_else(no_direction)
 }
