@@ -126,12 +126,12 @@ fn intervals_end_where_they_say() {
         let hit: Vec<bool> = hits.mesh[..7].iter().map(|&m| m != MISS).collect();
         assert_eq!(hit, [false, false, false, false, true, true, false], "{isa:?}");
         assert_eq!(embree.occluded(rays.check(0x7f), Coherence::Incoherent), 0b0110000, "{isa:?}");
-        for lane in 0..7 {
+        for (lane, &expected) in hit.iter().enumerate() {
             let mut alone = Hits::default();
             embree.closest(rays.check(1 << lane), Coherence::Incoherent, &mut alone);
             assert_eq!(alone.mesh[lane], hits.mesh[lane]);
             let blocked = embree.occluded(rays.check(1 << lane), Coherence::Incoherent) != 0;
-            assert_eq!(blocked, hit[lane]);
+            assert_eq!(blocked, expected);
         }
     }
 }
@@ -232,7 +232,7 @@ fn triangles_without_area_are_never_hit() {
     let count = positions.len() as u32 / 3;
     let slivers = Arc::new(Mesh::new(positions, (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()));
     for (isa, quality) in isas().flat_map(|isa| QUALITIES.map(|q| (isa, q))) {
-        let embree = build(&[slivers.clone()], isa, quality);
+        let embree = build(std::slice::from_ref(&slivers), isa, quality);
         let mut found = 0;
         for chunk in rays.chunks_exact(LANES) {
             let mut question = Rays::default();
