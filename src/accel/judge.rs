@@ -149,7 +149,14 @@ struct Claim {
     measure: Measure,
     /// ε·W.
     unit: f64,
+    /// How far the plane may be displaced, in multiples of [`PLANE`]: ε·W, or ε·L²/h for a triangle of length L
+    /// and height h. The latter is what rounding does to the plane of a needle where a backend takes t from
+    /// the normal: a cross product of edges is rounded by ε·L², which tilts a normal of length L·h by ε·L/h.
+    plane: f64,
     diameter: f64,
+    /// Diameter over the least height that the ray sees. A displacement p of an edge across the ray changes
+    /// barycentrics by p/height, which moves the point they stand for by up to p·diameter/height.
+    aspect: f64,
 }
 
 impl Claim {
@@ -159,7 +166,7 @@ impl Claim {
 
     /// By how much t (in units of length along the ray) is uncertain.
     fn blur(&self) -> f64 {
-        PLANE * self.unit / self.measure.cos
+        PLANE * self.plane / self.measure.cos
     }
 
     fn at_border(&self) -> bool {
@@ -231,7 +238,10 @@ impl Judge {
         let largest = [ray.o, a, b, c].iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
         let diameter = (b - a).length().max((c - b).length()).max((a - c).length());
         let unit = f32::EPSILON as f64 * largest;
-        let claim = Claim { answer, measure, unit, diameter };
+        let height = (b - a).cross(c - a).length() / diameter;
+        let plane = unit.max(f32::EPSILON as f64 * diameter * diameter / height);
+        let aspect = diameter / (height * measure.cos);
+        let claim = Claim { answer, measure, unit, plane, diameter, aspect };
         if claim.grazes() {
             return Err(Verdict::Graze);
         }
@@ -239,7 +249,8 @@ impl Judge {
         let point = a * (1.0 - u - v) + b * u + c * v;
         let off = (point - ray.o).cross(ray.d).length() / ray.d.length();
         let along = (answer.t as f64 - measure.t).abs() * ray.d.length();
-        let wrong = claim.outside() || off > 2.0 * ACROSS * unit || along > 2.0 * claim.blur();
+        let wrong =
+            claim.outside() || off > ACROSS * unit * (1.0 + claim.aspect) || along > 2.0 * claim.blur();
         if wrong { Err(Verdict::Real) } else { Ok(claim) }
     }
 

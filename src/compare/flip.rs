@@ -88,9 +88,8 @@ fn exposures(reference: &[Colour]) -> Vec<f32> {
     if brightest <= 0.0 {
         return vec![0.0];
     }
-    // A mostly black reference has no median to expose for: the darkest pixel with light takes its place.
-    let dark =
-        if median > 0.0 { median } else { luminances.into_iter().find(|&l| l > 0.0).unwrap_or(brightest) };
+    // A mostly black reference has no median to expose for; the authors' program takes the same stand-in.
+    let dark = median.max(f32::EPSILON).min(brightest);
 
     // Where the curve takes the value 0.85: the greater root of the quadratic.
     let [a, b, c] = [0, 1, 2].map(|i| 0.85 * ACES[i + 3] - ACES[i]);

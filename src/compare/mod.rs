@@ -68,7 +68,7 @@ pub fn compare(a: &Image, b: &Image, kind: Kind) -> Result<Comparison> {
         height: a.height,
         mse,
         rel_mse: relative / count,
-        psnr: (mse > 0.0).then(|| -10.0 * libm::log10(mse)),
+        psnr: (mse > 0.0).then(|| 10.0 * libm::log10(1.0 / mse)),
         max,
         mean: absolute / count,
         flip: flip_map.iter().map(|&v| f64::from(v)).sum::<f64>() / flip_map.len() as f64,

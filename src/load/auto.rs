@@ -172,12 +172,12 @@ impl Sky {
         let up = up.normalize_or(DVec3::Y);
         match self {
             Sky::Studio => Some(Environment::Studio {
-                below: Rgb::new(0.22, 0.21, 0.20),
-                horizon: Rgb::new(0.72, 0.72, 0.72),
-                zenith: Rgb::new(0.50, 0.56, 0.64),
+                below: Rgb::new(0.13, 0.125, 0.12),
+                horizon: Rgb::new(0.45, 0.45, 0.45),
+                zenith: Rgb::new(0.28, 0.32, 0.38),
                 up: up.as_vec3(),
                 direction: key_direction(up, forward),
-                key: Rgb::new(6.3, 6.0, 5.6),
+                key: Rgb::new(7.2, 6.8, 6.3),
                 sharpness: 20.0,
             }),
             Sky::White => Some(Environment::Constant(Rgb::ONE)),

@@ -9,6 +9,7 @@
 
 mod assemble;
 pub mod auto;
+mod classic;
 mod framing;
 mod materials;
 pub mod mtl;

@@ -112,6 +112,35 @@ fn needles_of_a_million_to_one() {
     }
 }
 
+/// The hierarchy takes t from the corners, not from the normal, so that even a needle's hit lies within a few
+/// ε·W of the triangle's plane and of the point its barycentrics stand for.
+#[test]
+fn hits_of_the_hierarchy_lie_on_their_triangles() {
+    for mesh in [soup(400, 1), slivers(400, 1e3, 2), slivers(400, 1e6, 3), mapped(&soup(400, 4), |p| p + 1e3)]
+    {
+        let mut rays = random_rays(&mesh, 2000 * effort(), 21);
+        let mut random = Random(22);
+        for _ in 0..2000 * effort() {
+            let [a, b, c] = mesh.triangle(random.below(mesh.indices.len()));
+            rays.push(towards(mesh.bounds().center() + random.cube() * 3.0, (a + b + c) / 3.0));
+        }
+        let chunks = chunks(&rays);
+        let hits = trace(&*build(Backend::Bvh, &one(mesh.clone())), &chunks);
+        for (rays, hits) in chunks.iter().zip(&hits) {
+            for lane in (0..LANES).filter(|&lane| hits.mesh[lane] != MISS) {
+                let [a, b, c] = mesh.triangle(hits.triangle[lane] as usize).map(|p| p.as_dvec3());
+                let (u, v) = (hits.u[lane] as f64, hits.v[lane] as f64);
+                let on_triangle = a * (1.0 - u - v) + b * u + c * v;
+                let on_ray = rays.o(lane).as_dvec3() + rays.d(lane).as_dvec3() * hits.t[lane] as f64;
+                let largest = [a, b, c, rays.o(lane).as_dvec3()].map(|p| p.abs().max_element()).into_iter();
+                let unit = f32::EPSILON as f64 * largest.fold(0.0, f64::max);
+                let off = (on_triangle - on_ray).length() / unit;
+                assert!(off <= 16.0, "off by {off} ε·W: {} {}", rays.o(lane), rays.d(lane));
+            }
+        }
+    }
+}
+
 #[test]
 fn far_from_the_origin_tiny_and_huge() {
     for (offset, scale) in [(1e6, 1.0), (1e6, 1e3), (0.0, 1e-6), (0.0, 1e6), (-3e4, 10.0), (0.0, 1e12)] {

@@ -143,11 +143,13 @@ impl Node {
             let z = (fz[i] - of[2]) * inv[2];
             far[i] = min(min(x, y), min(z, tmax));
         }
-        let mut met = 0;
+        // Selected constants and a sum, which compile to a blend and three shuffles; shifting single bits
+        // together would take each lane through a general register.
+        let mut met = [0; WIDTH];
         for i in 0..WIDTH {
-            met |= ((near[i] <= far[i]) as u32) << i;
+            met[i] = if near[i] <= far[i] { 1 << i } else { 0 };
         }
-        (near, met)
+        (near, met.iter().sum())
     }
 }
 

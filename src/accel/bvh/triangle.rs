@@ -84,15 +84,16 @@ impl Block {
             least[i] = min(min(u, v), w);
             most[i] = max(max(u, v), w);
         }
-        let mut found = 0;
+        let mut found = [0; BLOCK];
         for i in 0..BLOCK {
-            found |= (((least[i] >= 0.0) | (most[i] <= 0.0)) as u32) << i;
+            found[i] = if (least[i] >= 0.0) | (most[i] <= 0.0) { 1 << i } else { 0 };
         }
-        found
+        found.iter().sum()
     }
 
-    /// The exact answer for a candidate: the hit on `ray.tmin ..= tmax`, edges and both sides included.
-    #[inline(always)]
+    /// The exact answer for a candidate: the hit on `ray.tmin ..= tmax`, edges and both sides included. Scalar
+    /// and rare, so it stays out of the kernels' loops and their registers.
+    #[inline(never)]
     pub fn hit(&self, lane: usize, ray: &Ray, tmax: f32) -> Option<Hit> {
         let lane = lane % BLOCK;
         let [kx, ky, kz] = ray.axes;
