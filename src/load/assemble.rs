@@ -175,9 +175,11 @@ impl<'p> Palette<'p> {
         if in_file.is_none() && !self.patches.contains_key(name) {
             let names = self.patches.keys().map(String::as_str).chain(own.iter().map(|m| m.name.as_str()));
             let known: Vec<&str> = names.filter(|n| !n.is_empty()).collect();
-            return Err(field
-                .error(format!("unknown material \"{name}\""))
-                .advise(unknown_word_advice(name, &known)));
+            let advice = match known.as_slice() {
+                [] => format!("add [materials.{name}] with its type"),
+                known => unknown_word_advice(name, known),
+            };
+            return Err(field.error(format!("unknown material \"{name}\"")).advise(advice));
         }
         let key = (name.to_string(), in_file.map(|_| file));
         if let Some(id) = self.named.get(&key) {
