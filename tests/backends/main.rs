@@ -327,10 +327,11 @@ fn nothing_and_nearly_nothing() {
     let mut rays = random_rays(&unit, 200, 1);
     rays.push(towards(Vec3::new(1.0, 1.0, 5.0), Vec3::ONE));
     rays.push((Vec3::ZERO, Vec3::ZERO, 0.0, f32::INFINITY));
-    let nothing: Vec<Vec<Arc<Mesh>>> = [vec![], one(empty.clone()), vec![Arc::new(empty.clone()); 3]]
-        .into_iter()
-        .chain(flat.iter().cloned().map(one))
-        .collect();
+    let nothing: Vec<Vec<Arc<Mesh>>> =
+        [vec![], one(empty.clone()), (0..3).map(|_| Arc::new(empty.clone())).collect()]
+            .into_iter()
+            .chain(flat.iter().cloned().map(one))
+            .collect();
     for meshes in &nothing {
         let tally = agree("nothing", meshes, &rays);
         assert_eq!(tally.same, tally.rays);
@@ -347,6 +348,29 @@ fn nothing_and_nearly_nothing() {
             &trace(&*built, &chunks(&[towards(Vec3::new(0.2, 0.3, 5.0), Vec3::new(0.2, 0.3, 0.0))]))[0];
         assert_eq!((hits.mesh[0], hits.triangle[0]), (4, 0), "{backend}");
         assert!((hits.u[0] - 0.2).abs() < 1e-5 && (hits.v[0] - 0.3).abs() < 1e-5, "{backend}");
+    }
+}
+
+/// Exactly collinear corners, which rounding in a sheared frame can pull apart into a triangle with area.
+#[test]
+fn collinear_corners_are_never_hit() {
+    let mut random = Random(31);
+    let mut positions = Vec::new();
+    for _ in 0..300 {
+        // Multiples of 2⁻¹⁰ below 2¹³: every sum is exact.
+        let mut grid = || (random.cube() * 4096.0).round() / 1024.0;
+        let (p, e) = (grid(), grid());
+        positions.extend([p, p + e, p - e * 2.0].map(|p| p.to_array()));
+    }
+    let n = positions.len() as u32 / 3;
+    let mesh = Mesh::new(positions, (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
+    let aim = |_| {
+        let [_, b, c] = mesh.triangle(random.below(mesh.indices.len()));
+        towards(random.cube() * 30.0, b.lerp(c, random.unit()))
+    };
+    let rays: Vec<Ray> = (0..5000).map(aim).collect();
+    for (backend, built) in all(&one(mesh.clone())) {
+        assert_eq!(missed(&trace(&*built, &chunks(&rays)), rays.len()), rays.len(), "{backend}");
     }
 }
 

@@ -93,7 +93,7 @@ fn references(meshes: &[Arc<Mesh>]) -> Result<Vec<Bounds>> {
 /// Reserves room for `more` elements, or says that memory ran out.
 fn reserve<T>(vec: &mut Vec<T>, more: usize) -> Result<()> {
     vec.try_reserve_exact(more).map_err(|_| {
-        let mib = more * size_of::<T>() >> 20;
+        let mib = (more * size_of::<T>()) >> 20;
         Error::new(format!("not enough memory for the acceleration structure ({mib} MiB more were needed)"))
             .advise("use a smaller mesh or a machine with more memory")
     })

@@ -105,8 +105,8 @@ impl Bins {
         let mut bins = Bins { bounds: [[Bounds::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
         for r in refs {
             let bin = grid.bin(r.middle2());
-            for axis in 0..3 {
-                let b = bin[axis] as usize % MAX_BINS;
+            for (axis, b) in bin.into_iter().take(3).enumerate() {
+                let b = b as usize % MAX_BINS;
                 bins.bounds[axis][b].add(r);
                 bins.counts[axis][b] += 1;
             }
