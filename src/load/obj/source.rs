@@ -128,7 +128,7 @@ fn last_line_end(text: &[u8], from: usize) -> Option<usize> {
     while end > from {
         let ends_here = match byte(end - 1) {
             Some(b'\n') => true,
-            Some(b'\r') => byte(end).is_some_and(|next| next != b'\n'),
+            Some(b'\r') => byte(end).is_some(),
             _ => false,
         };
         if ends_here {

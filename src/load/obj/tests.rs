@@ -478,6 +478,18 @@ fn equal_indices_are_not_listed() {
 }
 
 #[test]
+fn relative_indices_are_compared_only_when_absolute() {
+    // Five positions and four normals: −4 is 2 of the former and 1 of the latter.
+    let text = format!(
+        "v 9 9 9\n{SQUARE}vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nf -4//-4 -3//-3 -2//-2\nf -4//-4 -2//-2 -1//-1\n"
+    );
+    let f = parse(&text);
+    assert_eq!(f.mesh.indices, [[1, 2, 3], [1, 3, 4]]);
+    assert_eq!(f.mesh.normals.unwrap().indices.unwrap(), [[0, 1, 2], [0, 2, 3]]);
+    same_in_any_blocks(text.as_bytes());
+}
+
+#[test]
 fn materials_follow_usemtl() {
     let text =
         with_square("usemtl b\nf 1 3 4\nusemtl a\nusemtl b\nf 2 3 4\nusemtl a\nf 1 2 4\nusemtl unused");

@@ -89,6 +89,17 @@ fn a10_collinear_corners_make_no_triangle_without_area() {
 }
 
 #[test]
+fn only_polygons_that_go_around_once_are_convex() {
+    let convex = |turns: f64| {
+        let points = on_plane((0..5).map(|i| (f64::from(i) * turns * std::f64::consts::TAU / 5.0).sin_cos()));
+        let mut t = Triangulator { points, ..Default::default() };
+        t.flatten().unwrap() && t.strictly_convex()
+    };
+    assert!(convex(1.0));
+    assert!(!convex(2.0), "a pentagram");
+}
+
+#[test]
 fn a10_self_crossing_and_degenerate_polygons_end() {
     let pentagram = on_plane((0..5).map(|i| (f64::from(i) * 4.0 * std::f64::consts::PI / 5.0).sin_cos()));
     check_edges(5, &split(&pentagram));
