@@ -114,7 +114,7 @@ impl Mesh {
     }
 
     /// The three corners of a triangle.
-    #[inline]
+    #[inline(always)]
     pub fn triangle(&self, triangle: usize) -> [Vec3; 3] {
         let [a, b, c] = self.indices[triangle];
         let p = &self.positions;

@@ -67,7 +67,7 @@ fn o4_the_inside_of_an_emitting_body_is_a_geometric_series() {
             for (name, mesh) in [("cube", cube()), ("sphere", sphere(40, 60))] {
                 let material = format!("reflectance = {rho}\nemission = 1.0");
                 let toml = object("[8, 8]", INSIDE, 1000, &material, "");
-                stage(&toml, &[("m.obj", mesh)], backend, &["render.spp=256"]).statistics().expect(
+                stage(&toml, &[("m.obj", mesh)], backend, &["render.spp=64"]).statistics().expect(
                     &format!("O4 {name} ρ {rho}"),
                     exact,
                     0.0,
@@ -123,7 +123,7 @@ fn means_do_not_depend_on_how_they_are_sampled() {
             "film.filter=gaussian",
             "film.filter=mitchell",
         ] {
-            stage(&toml, &[("m.obj", cube())], backend, &["render.spp=128", set])
+            stage(&toml, &[("m.obj", cube())], backend, &["render.spp=96", set])
                 .statistics()
                 .expect(set, 2.0, 0.0);
         }
