@@ -80,7 +80,7 @@ impl Job {
         let (scene, settings) = (&loaded.scene, &loaded.settings);
         console.detail(&format!(
             "loaded {} triangles, {} vertices, {} materials in {}",
-            scene.triangles(),
+            loaded.triangles,
             scene.vertices(),
             scene.materials.len(),
             duration(seconds)
@@ -140,6 +140,7 @@ impl Job {
                 settings,
                 findings: &loaded.findings,
                 skipped_faces: loaded.skipped_faces,
+                triangles: loaded.triangles,
                 threads: self.threads,
                 isa: accel.isa(),
                 bvh_bytes: accel.bytes(),

@@ -51,6 +51,8 @@ pub struct Report<'a> {
     pub settings: &'a Settings,
     pub findings: &'a Findings,
     pub skipped_faces: u64,
+    /// Triangles as the files say.
+    pub triangles: u64,
     pub threads: usize,
     pub isa: &'a str,
     pub bvh_bytes: usize,
@@ -86,7 +88,7 @@ impl Report<'_> {
             "complete": self.complete,
             "meshes": self.scene.meshes.len(),
             "materials": self.scene.materials.len(),
-            "triangles": self.scene.triangles(),
+            "triangles": self.triangles,
             "vertices": self.scene.vertices(),
             "skipped_faces": self.skipped_faces,
             "warnings": warnings,

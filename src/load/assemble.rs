@@ -53,6 +53,8 @@ pub(super) fn assemble(plan: Plan<'_>, input: &Path, options: &Options<'_>) -> R
             severity: Severity::Note,
         });
     }
+    let of_file = |p: &Placement| objects.get(p.file).and_then(Option::as_ref).map_or(0, |o| o.triangles);
+    let in_files: u64 = placements.iter().map(of_file).sum();
     let origin = scene_origin(&placements, &objects);
     let mut meshes = place_all(&placements, &mut objects, origin, &plan.meshes, options)?;
     let up = plan.camera.up.unwrap_or(DVec3::Y);
@@ -65,6 +67,8 @@ pub(super) fn assemble(plan: Plan<'_>, input: &Path, options: &Options<'_>) -> R
     for light in &plan.lights {
         meshes.extend(lamp(light, origin, &mut palette).map(Arc::new));
     }
+    let added = meshes.get(placements.len()..).unwrap_or_default();
+    let triangles = in_files + added.iter().map(|m| m.indices.len() as u64).sum::<u64>();
     let forward = camera.look_at - camera.position;
     let lights = plan.lights.iter().filter_map(|light| place_light(light, origin, up, forward)).collect();
     let scene = Scene { origin, meshes, materials: palette.build(), lights, camera };
@@ -79,7 +83,7 @@ pub(super) fn assemble(plan: Plan<'_>, input: &Path, options: &Options<'_>) -> R
             severity: Severity::Note,
         });
     }
-    Ok(Loaded { scene, settings: plan.settings, findings, skipped_faces, files: files.paths })
+    Ok(Loaded { scene, settings: plan.settings, findings, skipped_faces, triangles, files: files.paths })
 }
 
 /// The distinct files, and which of them each mesh is in.

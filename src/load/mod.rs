@@ -61,6 +61,8 @@ pub struct Loaded {
     pub findings: Findings,
     /// Faces left out because something is wrong with them.
     pub skipped_faces: u64,
+    /// Triangles as the files say, before those without area and copies were dropped; a ground and lamps count.
+    pub triangles: u64,
     /// The mesh files and material libraries that were read.
     pub files: Vec<PathBuf>,
 }

@@ -21,6 +21,8 @@ pub(crate) struct Object {
     pub findings: Findings,
     /// Faces left out.
     pub skipped_faces: u64,
+    /// Triangles in the file, before those without area and copies were dropped.
+    pub triangles: u64,
     /// The material libraries that were read.
     pub libraries: Vec<PathBuf>,
 }
@@ -51,6 +53,7 @@ pub(crate) fn read(file: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Resu
         materials: materials.collect(),
         findings,
         skipped_faces: read.counts.skipped_faces,
+        triangles: read.counts.triangles,
         libraries: resolved.libraries,
     })
 }
