@@ -29,8 +29,8 @@ impl ToneMap {
 
     /// Maps one linear value; NaN and negative values become 0, and no value leaves [0, 1].
     pub fn apply(self, x: f32) -> f32 {
-        // `max` returns the other operand for NaN. The upper bound keeps the quotients below from ∞/∞.
-        let x = x.max(0.0).min(1e9);
+        // Written so that NaN takes the second way. The upper bound keeps the quotients below from ∞/∞.
+        let x = if x > 0.0 { x.min(1e9) } else { 0.0 };
         match self {
             ToneMap::None => x.min(1.0),
             ToneMap::Reinhard => x / (1.0 + x),
