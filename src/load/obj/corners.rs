@@ -35,20 +35,15 @@ impl Corners {
         }
     }
 
-    /// Adds the last of `positions`' triangles. `comparable`: its indices may be compared with the
-    /// positions' (those relative to different counts may not).
+    /// Adds the last of `positions`' triangles. Indices are compared as they stand, since the list is
+    /// written out before what they are `relative` to is added; only −1 must not be taken for [`NO_INDEX`].
     #[inline]
-    pub fn push(
-        &mut self,
-        own: [u32; 3],
-        positions: &[[u32; 3]],
-        comparable: bool,
-    ) -> Result<(), OutOfMemory> {
+    pub fn push(&mut self, own: [u32; 3], positions: &[[u32; 3]], relative: bool) -> Result<(), OutOfMemory> {
         let Some((last, before)) = positions.split_last() else { return Ok(()) };
         match self {
-            Corners::Same if comparable && own == *last => return Ok(()),
-            Corners::Absent if own == [NO_INDEX; 3] => return Ok(()),
-            Corners::Absent if before.is_empty() && comparable && own == *last => {
+            Corners::Same if own == *last => return Ok(()),
+            Corners::Absent if own == [NO_INDEX; 3] && !relative => return Ok(()),
+            Corners::Absent if before.is_empty() && own == *last => {
                 *self = Corners::Same;
                 return Ok(());
             }

@@ -52,7 +52,7 @@ pub(super) fn finish_block(
     if nothing_to_do(block, known) {
         return Ok(Vec::new());
     }
-    // Before `relative` is resolved: implied lists belong to faces without relative indices.
+    // Before `relative` is resolved: positions and attributes count from different starts.
     for corners in [&mut block.uv_corners, &mut block.normal_corners] {
         if *corners != Corners::Absent {
             corners.listed(&block.triangles)?;

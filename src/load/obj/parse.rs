@@ -410,8 +410,8 @@ impl Parser<'_, '_> {
             block.materials.push(block.triangles.len())?;
             push(&mut block.triangles, of(0))?;
             let relative = first.relative | second.relative | third.relative;
-            block.uv_corners.push(of(1), &block.triangles, relative == 0)?;
-            block.normal_corners.push(of(2), &block.triangles, relative == 0)?;
+            block.uv_corners.push(of(1), &block.triangles, relative != 0)?;
+            block.normal_corners.push(of(2), &block.triangles, relative != 0)?;
             if relative != 0 || !block.relative.is_empty() {
                 push_relative(block, corners.map(|c| c.relative))?;
             }

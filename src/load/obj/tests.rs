@@ -490,6 +490,16 @@ fn relative_indices_are_compared_only_when_absolute() {
 }
 
 #[test]
+fn the_last_normal_of_an_earlier_block_is_one() {
+    // In a block of its own, −1 is one before the block's first normal.
+    let text = format!("{SQUARE}vn 0 0 1\nvt 1 1\nf 1//-1 2//-1 3//-1\nf 1/-1 3/-1 4/-1\n");
+    let f = parse(&text);
+    assert_eq!(f.mesh.normals.unwrap().indices.unwrap(), [[0; 3], [NO_INDEX; 3]]);
+    assert_eq!(f.mesh.uvs.unwrap().indices.unwrap(), [[NO_INDEX; 3], [0; 3]]);
+    same_in_any_blocks(text.as_bytes());
+}
+
+#[test]
 fn materials_follow_usemtl() {
     let text =
         with_square("usemtl b\nf 1 3 4\nusemtl a\nusemtl b\nf 2 3 4\nusemtl a\nf 1 2 4\nusemtl unused");
