@@ -200,7 +200,7 @@ fn key_direction(up: DVec3, forward: DVec3) -> Vec3 {
     let level = forward - up * up.dot(forward);
     let away = level.try_normalize().unwrap_or_else(|| Bearings::new(up).front * -1.0);
     let left = up.cross(away);
-    (up * 1.0 - away * 0.75 + left * 0.65).normalize().as_vec3()
+    (up * 1.0 - away * 0.5 + left * 0.8).normalize().as_vec3()
 }
 
 /// A square below `bounds` (scene coordinates), its upper side to `up`, with material `material`.
