@@ -57,7 +57,7 @@ fn a_rectangle_is_the_square_lamp() {
     // edge_u × edge_v points down, to the floor.
     check("one side", &lamp("two_sided = false\n"), &[], 0.119_728_2);
     let up = lamp("two_sided = false\n").replace("[0, -1, 0]", "[0, 1, 0]").replace("0.5, 1]", "-0.5, 1]");
-    check("turned away", &up.replace("[-0.5, -0.5", "[-0.5, -0.5"), &[], 0.0);
+    check("turned away", &up, &[], 0.0);
 }
 
 /// ρ/π·E·cos θ, whatever the distance.
