@@ -22,6 +22,7 @@
 //! | how OBJ, MTL and scene files are read | [`load`] |
 //! | how two pictures are compared | [`compare`]: squared errors and FLIP |
 //! | what a picture file holds | [`output`], which sees only [`film::Image`] |
+//! | how far two pictures are apart | [`compare`]: MSE, relMSE, PSNR, FLIP |
 //!
 //! # Conventions
 //! Right-handed, y up, metres; linear Rec.709 RGB; radiance in W/(m²·sr). `wo` points to the viewer and `wi`
@@ -36,15 +37,16 @@
 //!
 //! # The library
 //! The library never prints and never exits: progress, warnings and cancellation go through callbacks. A
-//! picture in five calls (see `examples/library.rs` for a whole program):
+//! picture in four calls (see `examples/library.rs` for a whole program):
 //!
 //! ```no_run
-//! # use drt::{load, output, render};
+//! use drt::{load, output, render};
+//!
 //! # fn main() -> drt::error::Result<()> {
-//! # let scene: drt::scene::Scene = unimplemented!();
-//! let settings = drt::scene::Settings::default();
-//! let accel = render::build(&scene, &settings, None, &render::Hooks::NONE)?;
-//! let rendering = render::render(&scene, &settings, accel.as_ref(), None, &render::Hooks::NONE)?;
+//! let loaded = load::scene("scenes/cornell-box.toml".as_ref(), load::Options::default())?;
+//! let (scene, settings, hooks) = (&loaded.scene, &loaded.settings, render::Hooks::NONE);
+//! let accel = render::build(scene, settings, None, &hooks)?;
+//! let rendering = render::render(scene, settings, accel.as_ref(), None, &hooks)?;
 //! output::write("picture.png".as_ref(), &rendering.image, &output::Options::default())?;
 //! # Ok(())
 //! # }

@@ -1,7 +1,7 @@
 //! A developed [`Image`] becomes a file: one encoder a format, one way to write bytes safely.
 //!
 //! Encoders return bytes, so that the same picture gives the same bytes wherever it is written, and only
-//! [`file`] knows about disks, links and devices.
+//! [`mod@file`] knows about disks, links and devices.
 
 pub mod display;
 mod exr;

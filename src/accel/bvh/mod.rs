@@ -1,11 +1,11 @@
 //! Our own bounding volume hierarchy: eight children a node, watertight triangles, the same bits everywhere.
 //!
-//! The parts are apart so that each can be replaced by another form: [`build`] (with [`split`], [`bounds`]) makes
-//! the tree, [`node`] and [`triangle`] are the two kernels over eight and four lanes, written so that the
-//! compiler vectorises them, [`ray`] prepares a ray for both, and [`traverse`] walks.
+//! The parts are apart so that each can be replaced by another form: `build` (with `split`, `bounds`) makes
+//! the tree, `node` and `triangle` are the two kernels over eight and four lanes, written so that the
+//! compiler vectorises them, `ray` prepares a ray for both, and `traverse` walks.
 //!
 //! A hit is a function of the ray and of one triangle alone; boxes only leave triangles out that cannot be
-//! hit (proofs in [`node`] and [`triangle`]), and ties go to the lowest id. So the answer does not depend on the tree,
+//! hit (proofs in `node` and `triangle`), and ties go to the lowest id. So the answer does not depend on the tree,
 //! the build's quality, the threads, the instruction set or the rays traced together: it is bit for bit that of
 //! testing every triangle, and the tests hold it to that.
 

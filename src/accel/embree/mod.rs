@@ -2,7 +2,7 @@
 //!
 //! [`Embree::build`] makes a device, one scene and one geometry a mesh, commits, and only then returns: an
 //! uncommitted scene cannot be expressed, and a committed one is never changed again. Errors of the library
-//! become a [`Result`](crate::error::Result) after device, geometry and commit, never per ray.
+//! become a [`Result`] after device, geometry and commit, never per ray.
 //!
 //! The scene is always *robust* (watertight); the default flags lose rays at shared edges.
 //!
