@@ -28,7 +28,12 @@ impl Surface {
     pub fn new(mesh: &Mesh, triangle: u32, u: f32, v: f32) -> Surface {
         let corners = mesh.indices[triangle as usize];
         let [a, b, c] = mesh.triangle(triangle as usize);
-        let w = 1.0 - u - v;
+        // A backend's rounding can put the weights a little outside of a small triangle; beyond a concave edge
+        // that point would lie below the neighbour's surface.
+        let (u, v) = (u.max(0.0), v.max(0.0));
+        let scale = 1.0 / (u + v).max(1.0);
+        let (u, v) = (u * scale, v * scale);
+        let w = (1.0 - u - v).max(0.0);
         let p = a * w + b * u + c * v;
         let size = (a * w).abs() + (b * u).abs() + (c * v).abs();
         let ng = geometric_normal(a, b, c);
