@@ -1,7 +1,13 @@
 //! The program as its users meet it: words in, files, messages and exit codes out.
 
 mod files;
+mod mistakes;
 mod pictures;
+mod rows_command;
+mod rows_files;
+mod rows_numbers;
+mod rows_output;
+mod universal;
 mod usage;
 
 use assert_cmd::Command;
