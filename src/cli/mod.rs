@@ -37,6 +37,7 @@ impl From<Error> for Failure {
 /// Runs the program and says how it ended.
 pub fn main() -> ExitCode {
     panics::silence();
+    signals::outlive_file_size_limit();
     let ended = panics::catch(|| match parse() {
         Ok(Some(cli)) => run(cli),
         Ok(None) => Ok(()),

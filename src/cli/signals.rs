@@ -1,10 +1,17 @@
 //! SIGINT and SIGTERM: the first asks the work to end, the second ends the program at once.
 
 use drt::error::{Error, Result};
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::flag;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// A write beyond the limit on file sizes (`ulimit -f`) shall fail like any other, so that it is reported and
+/// the temporary file goes away, instead of ending the program.
+pub fn outlive_file_size_limit() {
+    // Where it cannot be registered the signal ends the program, as it would have.
+    let _ = flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
+}
 
 /// What was received so far.
 pub struct Signals {

@@ -10,10 +10,26 @@ pub fn usage_error(error: &clap::Error) -> Error {
     let first = first.strip_prefix("error: ").unwrap_or(first);
     let words: Vec<&str> = first.split_whitespace().collect();
     let message = one_line(words.join(" ").trim_end_matches(':'));
+    if let Some(word) = surplus_word(&words) {
+        return Error::usage(format!("unexpected word {word}")).advise(
+            "one input at a time, the flags' values right behind them, and -o before the picture's name; \
+             see drt --help",
+        );
+    }
     let tip = text.lines().find_map(|line| line.trim().strip_prefix("tip: "));
+    // What nobody types by mistake: a value that begins with a dash.
+    let tip = tip.filter(|tip| !tip.contains("as a value, use"));
     let advice = match tip {
         Some(tip) => format!("{}; see drt --help", one_line(tip)),
         None => "see drt --help".to_string(),
     };
     Error::usage(message).advise(advice)
+}
+
+/// The word that clap took for a subcommand because an input had been given before.
+fn surplus_word<'w>(message: &[&'w str]) -> Option<&'w str> {
+    match message {
+        ["the", "subcommand", word, "cannot", "be", "used", "with", ..] => Some(word),
+        _ => None,
+    }
 }

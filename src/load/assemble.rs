@@ -6,7 +6,7 @@ use super::object::{self, Object};
 use super::place::{Extent, NormalsMode, Transform, place, rename_materials};
 use super::scene_file::{LightPlan, MaterialPatch, MeshPlan, Plan};
 use super::{Loaded, Options, cancelled};
-use crate::error::{Error, Finding, Findings, Result, Severity, unknown_word_advice};
+use crate::error::{Error, Finding, Findings, Result, Severity, show_path, unknown_word_advice};
 use crate::light::{Directional, Light, Point, Sphere};
 use crate::math::{DVec3, Rgb};
 use crate::scene::{IntegratorKind, Scene};
@@ -54,7 +54,8 @@ pub(super) fn assemble(plan: Plan<'_>, input: &Path, options: &Options<'_>) -> R
             severity: Severity::Note,
         });
     }
-    let of_file = |p: &Placement| objects.get(p.file).and_then(Option::as_ref).map_or(0, |o| o.triangles);
+    let of_file =
+        |p: &Placement| objects.get(p.file).and_then(Option::as_ref).map_or(0, |o| o.counts.triangles);
     let in_files: u64 = placements.iter().map(of_file).sum();
     let origin = scene_origin(&placements, &objects);
     let mut meshes = place_all(&placements, &mut objects, origin, &plan.meshes, options)?;
@@ -94,8 +95,22 @@ struct Files {
     of_mesh: Vec<usize>,
 }
 
+/// Refuses a mesh file that cannot be opened, at the place that names it and before the first one is read.
+fn check_files(meshes: &[MeshPlan<'_>]) -> Result<()> {
+    for mesh in meshes {
+        if let Err(why) = super::open::open_regular(&mesh.file) {
+            let mut error = mesh.field.error(format!("{}: {}", show_path(&mesh.file), why.message));
+            let relative = "a relative path starts in the scene file's folder";
+            error.advice = why.advice.or_else(|| mesh.file.is_relative().then(|| relative.to_string()));
+            return Err(error);
+        }
+    }
+    Ok(())
+}
+
 /// Reads every file once.
 fn read_objects(meshes: &[MeshPlan<'_>], options: &Options<'_>) -> Result<(Files, Vec<Option<Object>>)> {
+    check_files(meshes)?;
     let mut paths: Vec<PathBuf> = Vec::new();
     let of_mesh = meshes.iter().map(|mesh| {
         paths.iter().position(|p| *p == mesh.file).unwrap_or_else(|| {

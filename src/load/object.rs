@@ -1,7 +1,7 @@
 //! A mesh file with its materials.
 
 use super::materials::MaterialSpec;
-use super::mtl;
+use super::mtl::{self, MtlMaterial};
 use super::obj;
 use super::{auto, classic};
 use crate::error::{Findings, Result};
@@ -21,8 +21,6 @@ pub(crate) struct Object {
     pub findings: Findings,
     /// Faces left out.
     pub skipped_faces: u64,
-    /// Triangles in the file, before those without area and copies were dropped.
-    pub triangles: u64,
     /// The material libraries that were read.
     pub libraries: Vec<PathBuf>,
     /// What the libraries say, by the mesh's material ids; `None` where no library defines it.
@@ -66,7 +64,6 @@ pub(crate) fn read_with(file: &Path, options: &obj::ReadOptions<'_>) -> Result<O
         materials: materials.collect(),
         findings,
         skipped_faces: read.counts.skipped_faces,
-        triangles: read.counts.triangles,
         libraries: resolved.libraries,
         definitions: resolved.materials,
         counts: read.counts,

@@ -2,7 +2,13 @@
 
 mod check;
 mod files;
+mod mistakes;
 mod pictures;
+mod rows_command;
+mod rows_files;
+mod rows_numbers;
+mod rows_output;
+mod universal;
 mod usage;
 
 use assert_cmd::Command;

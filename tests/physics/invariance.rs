@@ -3,6 +3,7 @@
 use crate::harness::{Stage, cube, on_every_backend, stage, torus};
 use drt::film::{Aov, Image};
 use drt::output::{Format, Options, encode};
+use drt::scene::SamplerKind;
 
 const ROOM: &str = "[camera]\nposition = [2.1, 1.7, 4.0]\nlook_at = [0, 0, 0]\nfov = 40\n\
     [render]\nspp = 20\nmax_depth = 5\n[[mesh]]\nfile = \"torus.obj\"\nmaterial = \"metal\"\n\
@@ -34,9 +35,13 @@ fn any_number_of_threads_gives_the_same_bytes() {
             let one = on(1);
             assert!(one == on(2) && one == on(5), "{size} on {}", backend.name());
         }
-        let seed =
-            |seed: u64| bytes(&room(backend, 4.0, 0.5, &["film.size=[64,64]"]).render(|s| s.seed = seed).0);
-        assert!(seed(0) != seed(1));
+        // The pixels, not the bytes: those hold the seed itself.
+        let small = room(backend, 4.0, 0.5, &["film.size=[64,64]"]);
+        for sampler in [SamplerKind::Sobol, SamplerKind::Stratified, SamplerKind::Random] {
+            let seed = |seed: u64| small.render(|s| (s.seed, s.sampler) = (seed, sampler)).0.rgb_pixels();
+            let first = seed(0);
+            assert!(first != seed(1) && first != seed(1 << 32), "{sampler:?} ignores the seed");
+        }
     });
 }
 

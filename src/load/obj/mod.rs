@@ -70,7 +70,7 @@ impl Default for ReadOptions<'_> {
         ReadOptions {
             progress: &|_| true,
             block_bytes: 1 << 20,
-            max_line_bytes: 16 << 20,
+            max_line_bytes: MAX_LINE_BYTES,
             keep_empty: false,
             face_lines: false,
         }
@@ -207,8 +207,12 @@ fn remove_mark(start: Option<&mut Vec<u8>>) {
     }
 }
 
+/// The longest line that is read, in bytes; beyond it a file is no text.
+const MAX_LINE_BYTES: usize = 16 << 20;
+
 fn line_too_long() -> Error {
-    Error::new("a line beyond the limit on line length").advise("is it really an OBJ file?")
+    Error::new(format!("a line beyond the limit on line length, {} MiB", MAX_LINE_BYTES >> 20))
+        .advise("is it really an OBJ file?")
 }
 
 fn no_memory(file: &Path) -> Error {

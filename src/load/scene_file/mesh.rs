@@ -32,6 +32,7 @@ fn read<'t>(mut mesh: Section<'t>, field: &Field<'t>, folder: &Path) -> Result<M
     let file = mesh.get("file").ok_or_else(|| {
         field.error(format!("{} has no file", field.name())).advise("e.g. file = \"bunny.obj\"")
     })?;
+    check_name(&file)?;
     let material = mesh.get("material");
     if let Some(material) = &material {
         material.text()?;
@@ -56,6 +57,24 @@ fn read<'t>(mut mesh: Section<'t>, field: &Field<'t>, folder: &Path) -> Result<M
         material,
         normals,
     })
+}
+
+/// Refuses what cannot be a mesh by its name, as the command line does.
+fn check_name(file: &Field<'_>) -> Result<()> {
+    let name = Path::new(file.text()?);
+    match name.extension().map(|e| e.to_string_lossy().to_lowercase()) {
+        _ if name.as_os_str().is_empty() => {
+            Err(file.error(format!("{} is empty", file.name())).advise("e.g. file = \"bunny.obj\""))
+        }
+        Some(kind)
+            if matches!(kind.as_str(), "stl" | "ply" | "gltf" | "glb" | "fbx" | "dae" | "3ds" | "toml") =>
+        {
+            Err(file
+                .error(format!("cannot read meshes of the kind \".{kind}\""))
+                .advise("convert it to .obj first"))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn normals_word(field: Field<'_>) -> Result<NormalsMode> {
@@ -103,7 +122,7 @@ fn scale(field: Field<'_>) -> Result<DVec3> {
 }
 
 fn rotation(field: Field<'_>) -> Result<DMat4> {
-    let mut table = field.section()?;
+    let mut table = field.section().map_err(|e| e.advise("e.g. { axis = [0, 1, 0], angle = 30 }"))?;
     let missing = |key: &str| field.error(format!("{} has no {key}", field.name()));
     let axis = table.get("axis").ok_or_else(|| missing("axis"))?;
     let direction = axis.point()?.try_normalize();

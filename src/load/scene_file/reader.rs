@@ -253,6 +253,9 @@ impl<'t> Field<'t> {
             Value::Table(entries) => {
                 Ok(Section { name: self.name.clone(), entries, file: self.file, asked: Vec::new() })
             }
+            Value::List(items) if matches!(items.first().map(|i| &i.value), Some(Value::Table(_))) => {
+                Err(self.must_be("one table").advise(format!("write [{}] in single brackets", self.name)))
+            }
             _ => Err(self.must_be("a table")),
         }
     }

@@ -112,11 +112,35 @@ pub(crate) fn parse(text: &str, file: &Path) -> Result<Entries> {
     let lines = Lines::new(text);
     let table = DeTable::parse(text).map_err(|e| {
         let origin = lines.origin(e.span().map_or(0, |span| span.start));
-        locate(Error::new(e.message().replace('\n', ", ")), &origin, file)
+        let error = Error::new(e.message().replace('\n', ", ")).advise(advice(e.message()));
+        locate(error, &origin, file)
     })?;
     let place = |span: std::ops::Range<usize>| lines.origin(span.start);
     entries(table.into_inner(), &place)
         .map_err(|(origin, message)| locate(Error::new(message), &origin, file))
+}
+
+/// What to do about text that is no TOML, by words of the parser's message: it says what it expected, in the
+/// grammar's terms, and people want to know what to write.
+#[rustfmt::skip] // a table
+fn advice(message: &str) -> &'static str {
+    const BY_WORDS: &[(&str, &str)] = &[
+        ("duplicate", "a key or a [section] may stand only once; [[mesh]] and [[light]] may repeat"),
+        ("escape", "in \"…\" a backslash begins an escape: write paths with /, or in single quotes"),
+        ("carriage return", "end lines with LF or CRLF"),
+        ("basic string", "the text has no closing quote"),
+        ("literal string, expected `'`", "the text has no closing quote"),
+        ("key with no value", "write key = value; a comment begins with #"),
+        ("key-value pair", "write key = value; a comment begins with #"),
+        ("array", "a list is [1, 2, 3]: commas between its items, ] at its end"),
+        ("mantissa", NUMBERS),
+        ("fraction", NUMBERS),
+        ("float", NUMBERS),
+        ("expected newline", NUMBERS),
+    ];
+    const NUMBERS: &str = "numbers have digits on both sides of a point, no comma and no unit: 0.5, 40.0";
+    const VALUES: &str = "a value is a number, true, false, \"text\" in quotes, or a list [1, 2, 3]";
+    BY_WORDS.iter().find(|(word, _)| message.contains(word)).map_or(VALUES, |(_, advice)| advice)
 }
 
 /// Parses what stands behind `=` of `--set KEY=VALUE`: a TOML value, or else a bare word.
