@@ -3,7 +3,7 @@
 use super::{Directional, Environment, Light, Point, Sphere};
 use crate::math::distribution::AliasTable;
 use crate::math::ray::{Ray, leave};
-use crate::math::{Rgb, Vec2, Vec3, luminance, warp};
+use crate::math::{Rgb, Vec3, luminance, warp};
 use crate::shape::{Mesh, Surface};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -248,7 +248,7 @@ impl Lights {
         let mesh = &self.meshes[mesh as usize];
         let material = mesh.materials.get(triangle as usize);
         let [b1, b2] = warp::triangle(u);
-        let light = emitter_point(mesh, triangle, b1, b2);
+        let light = Surface::faceted(mesh, triangle, b1, b2);
         let to = light.p - from.p;
         let distance_squared = to.length_squared();
         if distance_squared <= 0.0 {
@@ -307,12 +307,4 @@ fn sample_sphere(from: &Surface, sphere: &Sphere, chance: f32, u: [f32; 2]) -> O
     let start = leave(from.p, from.error, from.ng, wi);
     let shadow = Ray { o: start, d: from.p + wi * t - start, tmax: ALMOST };
     Some(LightSample { wi, radiance_over_pdf: sphere.radiance / pdf, pdf, shadow })
-}
-
-/// A point on an emitter; texture coordinates and shading normals play no part in emission.
-#[inline(always)]
-fn emitter_point(mesh: &Mesh, triangle: u32, u: f32, v: f32) -> Surface {
-    let mut surface = Surface::new(mesh, triangle, u, v);
-    surface.uv = Vec2::ZERO;
-    surface
 }

@@ -26,10 +26,10 @@ pub struct Surface {
 const ROUNDING: f32 = 16.0 * f32::EPSILON;
 
 impl Surface {
-    /// The point with barycentric weights `u` (second corner) and `v` (third corner) on a triangle.
+    /// The point with barycentric weights `u` (second corner) and `v` (third corner) on a triangle, faceted and
+    /// without texture coordinates: all that emission and visibility need.
     #[inline(always)]
-    pub fn new(mesh: &Mesh, triangle: u32, u: f32, v: f32) -> Surface {
-        let corners = mesh.indices[triangle as usize];
+    pub fn faceted(mesh: &Mesh, triangle: u32, u: f32, v: f32) -> Surface {
         let [a, b, c] = mesh.triangle(triangle as usize);
         // A backend's rounding can put the weights a little outside of a small triangle; beyond a concave edge
         // that point would lie below the neighbour's surface.
@@ -40,18 +40,22 @@ impl Surface {
         let p = a * w + b * u + c * v;
         let size = (a * w).abs() + (b * u).abs() + (c * v).abs();
         let ng = geometric_normal(a, b, c);
-        let ns = match &mesh.normals {
-            None => ng,
-            Some(normals) => match normals.corners(triangle as usize, corners) {
-                Some(n) => shading_normal(n, w, u, v, ng),
-                None => ng,
-            },
-        };
-        let uv = match mesh.uvs.as_ref().and_then(|t| t.corners(triangle as usize, corners)) {
-            Some([ta, tb, tc]) => Vec2::from(ta) * w + Vec2::from(tb) * u + Vec2::from(tc) * v,
-            None => Vec2::new(u, v),
-        };
-        Surface { p, error: ROUNDING * size.max_element(), ng, ns, uv }
+        Surface { p, error: ROUNDING * size.max_element(), ng, ns: ng, uv: Vec2::new(u, v) }
+    }
+
+    /// The same with the mesh's shading normal and texture coordinates, where it has some.
+    #[inline(always)]
+    pub fn new(mesh: &Mesh, triangle: u32, u: f32, v: f32) -> Surface {
+        let mut surface = Surface::faceted(mesh, triangle, u, v);
+        let corners = mesh.indices[triangle as usize];
+        let w = 1.0 - u - v;
+        if let Some(n) = mesh.normals.as_ref().and_then(|n| n.corners(triangle as usize, corners)) {
+            surface.ns = shading_normal(n, w, u, v, surface.ng);
+        }
+        if let Some([a, b, c]) = mesh.uvs.as_ref().and_then(|t| t.corners(triangle as usize, corners)) {
+            surface.uv = Vec2::from(a) * w + Vec2::from(b) * u + Vec2::from(c) * v;
+        }
+        surface
     }
 
     /// The frame that BSDFs work in: around the shading normal, on the side that `wo` is on.
