@@ -20,6 +20,7 @@
 //! | a BRDF, a light, a camera, a filter, a sampler | one file each in [`bsdf`], [`light`], [`camera`], [`film`], [`sampler`] |
 //! | who intersects, and who judges | [`accel`]: the trait, Embree, our BVH, the f64 judge |
 //! | how OBJ, MTL and scene files are read | [`load`] |
+//! | what is wrong with a mesh file | [`check`]: counts, topology, materials, findings |
 //! | how two pictures are compared | [`compare`]: squared errors and FLIP |
 //! | what a picture file holds | [`output`], which sees only [`film::Image`] |
 //! | how far two pictures are apart | [`compare`]: MSE, relMSE, PSNR, FLIP |
@@ -73,3 +74,5 @@ pub mod render;
 pub mod output;
 
 pub mod compare;
+
+pub mod check;

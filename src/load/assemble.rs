@@ -18,6 +18,7 @@ use std::sync::Arc;
 /// Reads the meshes of `plan` and puts everything in its place. `input`: the file to name in findings.
 pub(super) fn assemble(plan: Plan<'_>, input: &Path, options: &Options<'_>) -> Result<Loaded> {
     let (mut files, mut objects) = read_objects(&plan.meshes, options)?;
+    let mesh_files = files.paths.len();
     let mut findings = Findings::default();
     let mut skipped_faces = 0;
     for object in objects.iter_mut().flatten() {
@@ -83,7 +84,8 @@ pub(super) fn assemble(plan: Plan<'_>, input: &Path, options: &Options<'_>) -> R
             severity: Severity::Note,
         });
     }
-    Ok(Loaded { scene, settings: plan.settings, findings, skipped_faces, triangles, files: files.paths })
+    let files_read = files.paths;
+    Ok(Loaded { scene, settings: plan.settings, findings, skipped_faces, triangles, files: files_read, mesh_files })
 }
 
 /// The distinct files, and which of them each mesh is in.

@@ -11,10 +11,10 @@ mod assemble;
 pub mod auto;
 mod classic;
 mod framing;
-mod materials;
+pub(crate) mod materials;
 pub mod mtl;
 pub mod obj;
-mod object;
+pub(crate) mod object;
 pub mod open;
 pub mod picture;
 mod place;
@@ -65,6 +65,8 @@ pub struct Loaded {
     pub triangles: u64,
     /// The mesh files and material libraries that were read.
     pub files: Vec<PathBuf>,
+    /// How many of `files` are mesh files; they come first.
+    pub mesh_files: usize,
 }
 
 /// The error of a reading that its progress callback cancelled.
@@ -106,7 +108,7 @@ pub fn scene(input: &Path, mut options: Options<'_>) -> Result<Loaded> {
 }
 
 /// True for a mesh, false for a scene file, by extension.
-fn is_mesh(input: &Path) -> Result<bool> {
+pub(crate) fn is_mesh(input: &Path) -> Result<bool> {
     let extension = input.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
         "obj" => Ok(true),

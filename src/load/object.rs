@@ -1,7 +1,7 @@
 //! A mesh file with its materials.
 
 use super::materials::MaterialSpec;
-use super::mtl;
+use super::mtl::{self, MtlMaterial};
 use super::obj;
 use super::{auto, classic};
 use crate::error::{Findings, Result};
@@ -25,6 +25,12 @@ pub(crate) struct Object {
     pub triangles: u64,
     /// The material libraries that were read.
     pub libraries: Vec<PathBuf>,
+    /// What the libraries say, by the mesh's material ids; `None` where no library defines it.
+    pub definitions: Vec<Option<MtlMaterial>>,
+    /// What the file held.
+    pub counts: obj::Counts,
+    /// The line of each triangle's face, where it was asked for.
+    pub face_lines: Option<Vec<u32>>,
 }
 
 /// Reads `file` and the material libraries that it names. `progress` hears the share done; its `false`
@@ -33,8 +39,15 @@ pub(crate) struct Object {
 /// # Errors
 /// As [`obj::read`]; a missing library or material is a finding, and its faces are clay.
 pub(crate) fn read(file: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Object> {
-    let options = obj::ReadOptions { progress, ..obj::ReadOptions::default() };
-    let read = obj::read(file, &options)?;
+    read_with(file, &obj::ReadOptions { progress, ..obj::ReadOptions::default() })
+}
+
+/// As [`read`], with the reader's options.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn read_with(file: &Path, options: &obj::ReadOptions<'_>) -> Result<Object> {
+    let read = obj::read(file, options)?;
     let resolved = mtl::resolve(file, &read.libraries, &read.material_names);
     let mut findings = read.findings;
     findings.append(resolved.findings);
@@ -55,5 +68,8 @@ pub(crate) fn read(file: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Resu
         skipped_faces: read.counts.skipped_faces,
         triangles: read.counts.triangles,
         libraries: resolved.libraries,
+        definitions: resolved.materials,
+        counts: read.counts,
+        face_lines: read.face_lines,
     })
 }

@@ -31,6 +31,8 @@ pub(super) struct Assembly<'a> {
     current_material: Option<u32>,
     libraries: Vec<Library>,
     deferred: Vec<FaceRun>,
+    /// The triangles' lines, where they are asked for.
+    lines: Option<Vec<u32>>,
     notes: Notes,
     counts: Counts,
 }
@@ -44,7 +46,7 @@ struct Place {
 }
 
 impl<'a> Assembly<'a> {
-    pub fn new(file: &'a Path) -> Self {
+    pub fn new(file: &'a Path, keep_lines: bool) -> Self {
         Assembly {
             file,
             positions: Vec::new(),
@@ -61,6 +63,7 @@ impl<'a> Assembly<'a> {
             current_material: None,
             libraries: Vec::new(),
             deferred: Vec::new(),
+            lines: keep_lines.then(Vec::new),
             notes: Notes::default(),
             counts: Counts::default(),
         }
@@ -201,6 +204,9 @@ impl<'a> Assembly<'a> {
             self.materials.extend(before, block.triangles.len(), id(block.materials.uniform))?;
         }
         extend(&mut self.triangles, &block.triangles)?;
+        if let Some(lines) = &mut self.lines {
+            append_lines(lines, block, place.first_line)?;
+        }
         grow(&mut self.deferred, deferred.len())?;
         for run in deferred {
             let (first_triangle, first_line) =
@@ -238,6 +244,7 @@ impl<'a> Assembly<'a> {
             libraries: self.libraries,
             findings,
             counts: self.counts,
+            face_lines: self.lines,
         })
     }
 
@@ -265,7 +272,7 @@ impl<'a> Assembly<'a> {
         grow(&mut self.positions, Positions::PADDING)?;
 
         self.counts.zero_area = found.without_area.len() as u64;
-        self.notes.add_without_line(Kind::FaceZeroArea, self.counts.zero_area);
+        self.note_removed(Kind::FaceZeroArea, &found.without_area);
         remove(&mut found.hashes, &found.without_area);
         self.remove_triangles(&found.without_area);
         let materials = face_materials(&mut self.materials);
@@ -274,7 +281,7 @@ impl<'a> Assembly<'a> {
             self.materials.per_face = ids;
         }
         self.counts.duplicates = copies.len() as u64;
-        self.notes.add_without_line(Kind::FaceDuplicate, self.counts.duplicates);
+        self.note_removed(Kind::FaceDuplicate, &copies);
         self.remove_triangles(&copies);
         self.uv_corners.compress(&self.triangles);
         self.normal_corners.compress(&self.triangles);
@@ -300,8 +307,24 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
+    /// Counts what is dropped, with its lines where they are known.
+    fn note_removed(&mut self, kind: Kind, removed: &[u32]) {
+        match &self.lines {
+            None => self.notes.add_without_line(kind, removed.len() as u64),
+            Some(lines) => {
+                for &triangle in removed {
+                    let line = lines.get(triangle as usize).copied().unwrap_or(0);
+                    self.notes.add(kind, u64::from(line), 0);
+                }
+            }
+        }
+    }
+
     fn remove_triangles(&mut self, removed: &[u32]) {
         remove(&mut self.triangles, removed);
+        if let Some(lines) = &mut self.lines {
+            remove(lines, removed);
+        }
         remove(&mut self.materials.per_face, removed);
         for corners in [&mut self.uv_corners, &mut self.normal_corners] {
             if let Corners::Own(list) = corners {
@@ -316,6 +339,9 @@ impl<'a> Assembly<'a> {
         self.normals.shrink_to_fit();
         self.uvs.shrink_to_fit();
         self.triangles.shrink_to_fit();
+        if let Some(lines) = &mut self.lines {
+            lines.shrink_to_fit();
+        }
         self.materials.per_face.shrink_to_fit();
         for corners in [&mut self.uv_corners, &mut self.normal_corners] {
             if let Corners::Own(list) = corners {
@@ -323,6 +349,18 @@ impl<'a> Assembly<'a> {
             }
         }
     }
+}
+
+/// Adds the lines of a block's triangles.
+fn append_lines(lines: &mut Vec<u32>, block: &Block, first_line: u64) -> Result<(), OutOfMemory> {
+    grow(lines, block.triangles.len())?;
+    for run in &block.runs {
+        for (_, line) in run.iter() {
+            let line = u32::try_from(first_line + line).unwrap_or(0);
+            lines.extend(std::iter::repeat_n(line, run.corners - 2));
+        }
+    }
+    Ok(())
 }
 
 /// Takes the materials; one for all where they are the same.

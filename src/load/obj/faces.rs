@@ -43,7 +43,7 @@ enum Verdict {
     Defer,
 }
 
-/// Finishes the faces of a block; returns those that must wait for the end of the file.
+/// Finishes the faces of a block, and takes the skipped ones out of its runs; returns those that must wait for the end of the file.
 pub(super) fn finish_block(
     block: &mut Block,
     before: Before,
@@ -67,6 +67,7 @@ pub(super) fn finish_block(
     let materials = &mut block.materials.per_face;
     let mut work = FaceWork::default();
     let mut deferred = Vec::new();
+    let mut kept = Vec::new();
     let mut write = 0;
     for run in &block.runs {
         for (first, line) in run.iter() {
@@ -84,9 +85,11 @@ pub(super) fn finish_block(
             {
                 ids.fill(material);
             }
+            FaceRun::add(&mut kept, write, run.corners, line)?;
             write += run.corners - 2;
         }
     }
+    block.runs = kept;
     materials.truncate(write);
     block.triangles.truncate(write);
     for corners in [&mut block.uv_corners, &mut block.normal_corners] {

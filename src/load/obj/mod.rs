@@ -61,11 +61,19 @@ pub struct ReadOptions<'a> {
     /// Whether a file without any renderable face gives an empty mesh (so that its findings can be shown)
     /// instead of an error.
     pub keep_empty: bool,
+    /// Whether each triangle's line is kept ([`ObjFile::face_lines`]); four bytes a triangle.
+    pub face_lines: bool,
 }
 
 impl Default for ReadOptions<'_> {
     fn default() -> Self {
-        ReadOptions { progress: &|_| true, block_bytes: 1 << 20, max_line_bytes: 16 << 20, keep_empty: false }
+        ReadOptions {
+            progress: &|_| true,
+            block_bytes: 1 << 20,
+            max_line_bytes: 16 << 20,
+            keep_empty: false,
+            face_lines: false,
+        }
     }
 }
 
@@ -86,6 +94,9 @@ pub struct ObjFile {
     pub findings: Findings,
     /// What the file held.
     pub counts: Counts,
+    /// The 1-based line of each triangle's `f` statement, if [`ReadOptions::face_lines`] asked for it; 0 beyond
+    /// 2³² lines.
+    pub face_lines: Option<Vec<u32>>,
 }
 
 /// A `mtllib` statement.
@@ -146,7 +157,7 @@ pub fn read_from<R: Read + Send>(
     options: &ReadOptions<'_>,
 ) -> Result<ObjFile> {
     let mut source = Source::new(from, name, options.block_bytes, options.max_line_bytes);
-    let mut assembly = Assembly::new(name);
+    let mut assembly = Assembly::new(name, options.face_lines);
     let blocks_at_once = rayon::current_num_threads().max(1);
     let mut spare: Vec<Block> = Vec::new();
     let (mut texts, mut stop) = source.next_blocks(blocks_at_once);

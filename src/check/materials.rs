@@ -1,0 +1,127 @@
+//! Which materials and textures there are.
+
+use crate::error::{Finding, Findings, Severity};
+use crate::load::mtl::MtlMaterial;
+use crate::load::object::Object;
+use crate::load::open::{find, open_regular};
+use crate::math::Rgb;
+use crate::scene::Scene;
+use crate::shape::{FaceMaterials, Mesh};
+use std::path::{Path, PathBuf};
+
+/// A material and its use.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialReport {
+    /// The name; empty for faces without any.
+    pub name: String,
+    /// The scattering model's name in scene files.
+    pub model: &'static str,
+    /// Triangles that have it.
+    pub triangles: u64,
+    /// Whether it emits light.
+    pub emits: bool,
+    /// The library and line that define it; `None` where none does.
+    pub defined: Option<(PathBuf, u64)>,
+}
+
+/// A texture statement. It tells the file's name only where there is such a file: a material library is a
+/// referenced file, and those are not quoted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextureReport {
+    /// The library.
+    pub library: PathBuf,
+    /// The statement's line.
+    pub line: u64,
+    /// Its key word.
+    pub key: &'static str,
+    /// The image; `None` where it is missing.
+    pub path: Option<PathBuf>,
+}
+
+/// Triangles by material id, of all meshes together.
+pub(super) fn uses<'m>(meshes: impl IntoIterator<Item = &'m Mesh>, materials: usize) -> Vec<u64> {
+    let mut uses = vec![0u64; materials];
+    let mut add = |id: u32, count: u64| {
+        if let Some(slot) = uses.get_mut(id as usize) {
+            *slot += count;
+        }
+    };
+    for mesh in meshes {
+        match &mesh.materials {
+            FaceMaterials::Uniform(id) => add(*id, mesh.indices.len() as u64),
+            FaceMaterials::PerFace(ids) => {
+                ids.chunk_by(|a, b| a == b).for_each(|run| add(run.first().copied().unwrap_or(0), run.len() as u64));
+            }
+        }
+    }
+    uses
+}
+
+/// The materials of a mesh file.
+pub(super) fn of_object(object: &Object, uses: &[u64]) -> Vec<MaterialReport> {
+    let mut reports: Vec<MaterialReport> = object
+        .materials
+        .iter()
+        .zip(uses)
+        .map(|(material, &triangles)| MaterialReport {
+            name: material.name.clone(),
+            model: material.model.name(),
+            triangles,
+            emits: material.emission != Rgb::ZERO,
+            defined: None,
+        })
+        .collect();
+    for (report, definition) in reports.iter_mut().zip(&object.definitions) {
+        report.defined = definition.as_ref().map(place);
+    }
+    reports
+}
+
+fn place(definition: &MtlMaterial) -> (PathBuf, u64) {
+    (definition.library.clone(), definition.line)
+}
+
+/// The materials of a scene.
+pub(super) fn of_scene(scene: &Scene, uses: &[u64]) -> Vec<MaterialReport> {
+    let report = |(material, &triangles): (&crate::bsdf::Material, &u64)| MaterialReport {
+        name: material.name.clone(),
+        model: crate::bsdf::Bsdf::NAMES.get(material.bsdf.kind()).map_or("", |row| row.0),
+        triangles,
+        emits: material.emission != Rgb::ZERO,
+        defined: None,
+    };
+    scene.materials.iter().zip(uses).map(report).collect()
+}
+
+/// Says of a scene's materials where a mesh file's libraries define them.
+pub(super) fn name_places(materials: &mut [MaterialReport], object: &Object) {
+    for (material, definition) in object.materials.iter().zip(&object.definitions) {
+        let Some(definition) = definition else { continue };
+        for report in materials.iter_mut().filter(|m| m.defined.is_none() && m.name == material.name) {
+            report.defined = Some(place(definition));
+        }
+    }
+}
+
+/// Every texture of `definitions`; one that is missing or cannot be opened is a finding.
+pub(super) fn textures(definitions: &[Option<MtlMaterial>], findings: &mut Findings) -> Vec<TextureReport> {
+    let mut reports = Vec::new();
+    for material in definitions.iter().flatten() {
+        let folder = material.library.parent().unwrap_or(Path::new(""));
+        for (key, texture) in material.textures() {
+            let found = find(folder, texture.value.file.as_os_str().as_encoded_bytes());
+            let opened = found.as_ref().map(|found| open_regular(&found.path).map(|_| ()));
+            let trouble = match opened {
+                None => Some(("texture-missing", format!("the file of a {key} was not found"))),
+                Some(Err(e)) => Some(("texture-unreadable", format!("the file of a {key}: {}", e.message))),
+                Some(Ok(())) => None,
+            };
+            let (file, line) = (material.library.clone(), texture.line);
+            if let Some((kind, message)) = trouble {
+                findings.push(Finding { file: file.clone(), line, kind, message, severity: Severity::Warning });
+            }
+            reports.push(TextureReport { library: file, line, key, path: found.map(|found| found.path) });
+        }
+    }
+    reports
+}

@@ -1,0 +1,140 @@
+//! What is in a file and what is wrong with it: the mesh doctor behind `drt check`.
+//!
+//! [`check`] reads a mesh or a scene as a render would, then looks at what came out: sizes, materials,
+//! textures, and how the triangles hang together. What it notices joins the reader's own [`Findings`]. A finding
+//! is an error when the file breaks its format's rules or nothing can be rendered; a warning when a picture will
+//! probably not look as meant; a note when it is worth knowing (an open surface is legitimate).
+//!
+//! Topology is judged twice: by index, as the file says it, and after welding vertices at exactly the same
+//! place, as the eye sees it. Findings are about the latter.
+//!
+//! Messages hold nothing that a referenced file says, only lines and key words.
+
+#[cfg(feature = "tobj")]
+pub mod against_tobj;
+mod findings;
+mod geometry;
+mod materials;
+mod mesh;
+mod topology;
+mod weld;
+
+pub use materials::{MaterialReport, TextureReport};
+pub use mesh::{Bounds, MeshReport, check_mesh};
+pub use topology::Topology;
+
+use crate::error::{Error, Finding, Findings, Result};
+use crate::load::object::{self, Object};
+use crate::load::{self, obj::ReadOptions};
+use std::path::{Path, PathBuf};
+
+/// What is in a file and what is wrong with it.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// The file.
+    pub input: PathBuf,
+    /// Triangles that would be rendered; a mesh that a scene places twice counts twice.
+    pub triangles: u64,
+    /// Vertices in memory, used or not.
+    pub vertices: u64,
+    /// Faces left out because something is wrong with them.
+    pub skipped_faces: u64,
+    /// The box around all triangles in the file's coordinates; `None` without triangles.
+    pub bounds: Option<Bounds>,
+    /// Triangles whose material emits light.
+    pub emitting_triangles: u64,
+    /// The mesh files, one entry a file.
+    pub meshes: Vec<MeshReport>,
+    /// The materials that faces may have.
+    pub materials: Vec<MaterialReport>,
+    /// Every texture that the materials' libraries state.
+    pub textures: Vec<TextureReport>,
+    /// What is wrong or worth knowing.
+    pub findings: Findings,
+}
+
+pub(crate) fn out_of_memory() -> Error {
+    Error::new("not enough memory to check the mesh").advise("use a machine with more memory")
+}
+
+/// Checks the mesh (`.obj`) or scene file (`.toml`) `input`. `progress` hears the share of the reading done (0 to
+/// 1); its `false` cancels with [`load::cancelled`].
+///
+/// # Errors
+/// What cannot be read at all; for scenes, everything that [`load::scene`] refuses.
+pub fn check(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
+    load::open::open_regular(input)?;
+    if load::is_mesh(input)? { check_object(input, progress) } else { check_scene(input, progress) }
+}
+
+/// A mesh file and what it shows of itself.
+fn read(file: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<(Object, MeshReport, Findings)> {
+    let options = ReadOptions { progress, keep_empty: true, face_lines: true, ..ReadOptions::default() };
+    let mut object = object::read_with(file, &options)?;
+    let mut findings = std::mem::take(&mut object.findings);
+    let going_on = || if progress(1.0) { Ok(()) } else { Err(load::cancelled()) };
+    going_on()?;
+    let lines = object.face_lines.as_deref().unwrap_or_default();
+    let (mut mesh, own) =
+        check_mesh(file, &object.mesh, object.origin, lines, object.counts).map_err(|e| e.at(file))?;
+    going_on()?;
+    mesh.libraries.clone_from(&object.libraries);
+    findings.append(own);
+    Ok((object, mesh, findings))
+}
+
+fn check_object(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
+    let (object, mesh, mut findings) = read(input, progress)?;
+    let uses = materials::uses([&object.mesh], object.materials.len());
+    let textures = materials::textures(&object.definitions, &mut findings);
+    let materials = materials::of_object(&object, &uses);
+    Ok(Report {
+        input: input.to_path_buf(),
+        triangles: mesh.triangles,
+        vertices: mesh.vertices,
+        skipped_faces: mesh.counts.skipped_faces,
+        bounds: mesh.bounds,
+        emitting_triangles: materials.iter().filter(|m| m.emits).map(|m| m.triangles).sum(),
+        meshes: vec![mesh],
+        materials,
+        textures,
+        findings,
+    })
+}
+
+fn check_scene(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
+    let loaded = load::scene(input, load::Options { progress, ..load::Options::default() })?;
+    let scene = &loaded.scene;
+    let uses = materials::uses(scene.meshes.iter().map(AsRef::as_ref), scene.materials.len());
+    let bounds = scene.bounds();
+    let placed = [bounds.min, bounds.max].map(|p| p.as_dvec3() + scene.origin);
+    let mut report = Report {
+        input: input.to_path_buf(),
+        triangles: scene.triangles(),
+        vertices: scene.vertices(),
+        skipped_faces: loaded.skipped_faces,
+        bounds: (!bounds.is_empty()).then_some(Bounds { min: placed[0], max: placed[1] }),
+        emitting_triangles: 0,
+        meshes: Vec::new(),
+        materials: materials::of_scene(scene, &uses),
+        textures: Vec::new(),
+        findings: Findings::default(),
+    };
+    // The meshes' own findings come again, with lines, when their files are looked at one by one.
+    let of_scene: Vec<Finding> = loaded.findings.kept().filter(|f| f.file == input).cloned().collect();
+    of_scene.into_iter().for_each(|finding| report.findings.push(finding));
+    let files: Vec<PathBuf> = loaded.files.iter().take(loaded.mesh_files).cloned().collect();
+    drop(loaded);
+    for file in files {
+        let (object, mesh, findings) = read(&file, progress)?;
+        report.findings.append(findings);
+        report.textures.append(&mut materials::textures(&object.definitions, &mut report.findings));
+        materials::name_places(&mut report.materials, &object);
+        report.meshes.push(mesh);
+    }
+    report.emitting_triangles = report.materials.iter().filter(|m| m.emits).map(|m| m.triangles).sum();
+    Ok(report)
+}
+
+#[cfg(test)]
+mod tests;
