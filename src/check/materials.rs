@@ -50,7 +50,8 @@ pub(super) fn uses<'m>(meshes: impl IntoIterator<Item = &'m Mesh>, materials: us
         match &mesh.materials {
             FaceMaterials::Uniform(id) => add(*id, mesh.indices.len() as u64),
             FaceMaterials::PerFace(ids) => {
-                ids.chunk_by(|a, b| a == b).for_each(|run| add(run.first().copied().unwrap_or(0), run.len() as u64));
+                ids.chunk_by(|a, b| a == b)
+                    .for_each(|run| add(run.first().copied().unwrap_or(0), run.len() as u64));
             }
         }
     }
@@ -118,7 +119,13 @@ pub(super) fn textures(definitions: &[Option<MtlMaterial>], findings: &mut Findi
             };
             let (file, line) = (material.library.clone(), texture.line);
             if let Some((kind, message)) = trouble {
-                findings.push(Finding { file: file.clone(), line, kind, message, severity: Severity::Warning });
+                findings.push(Finding {
+                    file: file.clone(),
+                    line,
+                    kind,
+                    message,
+                    severity: Severity::Warning,
+                });
             }
             reports.push(TextureReport { library: file, line, key, path: found.map(|found| found.path) });
         }

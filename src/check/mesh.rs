@@ -114,14 +114,17 @@ fn empty_message(counts: &Counts) -> String {
     let Counts { faces, skipped_faces, .. } = counts;
     match faces {
         0 => "there is nothing to render: not one `f` statement".to_string(),
-        _ => format!("there is nothing to render: {skipped_faces} of {faces} faces were skipped, the others have no area"),
+        _ => format!(
+            "there is nothing to render: {skipped_faces} of {faces} faces were skipped, the others have no area"
+        ),
     }
 }
 
 /// Findings about edges, each at the first face that has it.
 fn note_edges(writer: &mut Writer<'_>, mesh: &Mesh, origin: DVec3, topology: &Topology, weld: &Weld) {
     let rims: Vec<u64> = topology.rims.iter().map(|rim| rim.edge).collect();
-    let edges: Vec<u64> = [&topology.non_manifold, &topology.mixed, &rims].into_iter().flatten().copied().collect();
+    let edges: Vec<u64> =
+        [&topology.non_manifold, &topology.mixed, &rims].into_iter().flatten().copied().collect();
     let faces = first_triangles(&edges, &mesh.indices, &|vertex| weld.first(vertex));
     let described: Vec<(u32, String)> = faces
         .into_iter()
@@ -156,8 +159,8 @@ fn point(mesh: &Mesh, origin: DVec3, vertex: u32) -> String {
     format!("({} {} {})", short(p.x), short(p.y), short(p.z))
 }
 
-/// Seven digits, as f32 has, without zeros at the end.
-pub(crate) fn short(x: f64) -> String {
+/// `x` for people: seven digits, as f32 has, without zeros at the end.
+pub fn short(x: f64) -> String {
     let magnitude = x.abs();
     if x != 0.0 && !(1e-4..1e7).contains(&magnitude) {
         return format!("{x:.5e}");
@@ -182,8 +185,10 @@ fn note_sizes(writer: &mut Writer<'_>, report: &MeshReport, sizes: &Sizes) {
     let size = (bounds.max - bounds.min).max_element();
     if report.origin != DVec3::ZERO {
         let distance = ((bounds.min + bounds.max) * 0.5).length() / size;
-        let message =
-            format!("the mesh lies {} times its size from the origin; it is moved there to be rendered", short(distance.round()));
+        let message = format!(
+            "the mesh lies {} times its size from the origin; it is moved there to be rendered",
+            short(distance.round())
+        );
         writer.add("far-from-origin", Severity::Note, Place::File, message);
     }
     let largest = bounds.min.abs().max(bounds.max.abs()).max_element();

@@ -20,7 +20,7 @@ mod topology;
 mod weld;
 
 pub use materials::{MaterialReport, TextureReport};
-pub use mesh::{Bounds, MeshReport, check_mesh};
+pub use mesh::{Bounds, MeshReport, check_mesh, short};
 pub use topology::Topology;
 
 use crate::error::{Error, Finding, Findings, Result};

@@ -31,7 +31,8 @@ impl Weld {
             }
         }
         let count: usize = used.iter().map(|word| word.count_ones() as usize).sum();
-        let is_used = |vertex: usize| used.get(vertex / 64).is_some_and(|word| word >> (vertex % 64) & 1 == 1);
+        let is_used =
+            |vertex: usize| used.get(vertex / 64).is_some_and(|word| word >> (vertex % 64) & 1 == 1);
 
         let mut places: Vec<([u32; 3], u32)> = Vec::new();
         places.try_reserve_exact(count).map_err(|_| out_of_memory())?;

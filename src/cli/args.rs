@@ -34,6 +34,8 @@ pub struct Cli {
 pub enum Command {
     /// Render a picture (the word may be left out: `drt bunny.obj`)
     Render(Box<RenderArgs>),
+    /// Say what is in a mesh or scene file and what is wrong with it, by file and line
+    Check(super::check::CheckArgs),
     /// Say how far a picture is from a reference: MSE, relMSE, PSNR, FLIP
     Compare(super::compare::CompareArgs),
 }

@@ -27,6 +27,8 @@ EXAMPLES
       a scene file with two of its keys changed
   drt kitchen.toml --crop 600,200,128,128 --spp 4096
       a part of the picture at full quality, with the pixels of the whole
+  drt check scan.obj
+      what is in the file and what is wrong with it; --json for programs, --strict to fail on warnings
   drt bunny.obj -q --stats - | jq .seconds
       what took how long
 

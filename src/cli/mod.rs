@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, and the only code that prints.
 
 mod args;
+mod check;
 mod compare;
 mod console;
 mod help;
@@ -76,6 +77,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
     }
     match cli.command {
         Some(Command::Render(render)) => render::run(*render),
+        Some(Command::Check(check)) => check::run(&check),
         Some(Command::Compare(compare)) => Ok(compare::run(&compare)?),
         None => render::run(cli.render),
     }

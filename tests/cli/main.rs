@@ -1,5 +1,6 @@
 //! The program as its users meet it: words in, files, messages and exit codes out.
 
+mod check;
 mod files;
 mod pictures;
 mod usage;
