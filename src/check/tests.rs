@@ -1,6 +1,7 @@
 //! Small meshes whose answers are known.
 
 use super::*;
+use crate::error::Severity;
 use crate::load::obj::{Counts, ReadOptions, read_from};
 use crate::math::DVec3;
 use crate::shape::{Attribute, Mesh};
