@@ -84,8 +84,15 @@ pub(super) fn assemble(plan: Plan<'_>, input: &Path, options: &Options<'_>) -> R
             severity: Severity::Note,
         });
     }
-    let files_read = files.paths;
-    Ok(Loaded { scene, settings: plan.settings, findings, skipped_faces, triangles, files: files_read, mesh_files })
+    Ok(Loaded {
+        scene,
+        settings: plan.settings,
+        findings,
+        skipped_faces,
+        triangles,
+        files: files.paths,
+        mesh_files,
+    })
 }
 
 /// The distinct files, and which of them each mesh is in.
