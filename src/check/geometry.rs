@@ -13,8 +13,9 @@ pub(super) struct Sizes {
     pub max: DVec3,
     /// Sum of the triangles' areas.
     pub area: f64,
-    /// Signed volume between the triangles and a point: the volume inside if they are closed.
-    pub volume: f64,
+    /// Sum of the triple products of the edges from one point to each triangle's corners: six times the signed
+    /// volume inside if the triangles are closed.
+    pub six_volumes: f64,
     /// Triangles all of whose corners' normals point to the back.
     pub flipped: u64,
     /// The first of those.
@@ -26,7 +27,7 @@ impl Sizes {
         min: DVec3::INFINITY,
         max: DVec3::NEG_INFINITY,
         area: 0.0,
-        volume: 0.0,
+        six_volumes: 0.0,
         flipped: 0,
         first_flipped: Vec::new(),
     };
@@ -39,7 +40,7 @@ impl Sizes {
             min: self.min.min(later.min),
             max: self.max.max(later.max),
             area: self.area + later.area,
-            volume: self.volume + later.volume,
+            six_volumes: self.six_volumes + later.six_volumes,
             flipped: self.flipped + later.flipped,
             first_flipped: self.first_flipped,
         }
@@ -72,8 +73,7 @@ fn add(sizes: &mut Sizes, mesh: &Mesh, triangle: usize, apex: DVec3, kept: usize
     sizes.max = sizes.max.max(a).max(b).max(c);
     let normal = (b - a).cross(c - a);
     sizes.area += 0.5 * normal.length();
-    // A sixth of the triple product of the edges that meet in the apex.
-    sizes.volume += (a - apex).dot((b - apex).cross(c - apex)) / 6.0;
+    sizes.six_volumes += (a - apex).dot((b - apex).cross(c - apex));
     let normals = mesh.normals.as_ref().zip(mesh.indices.get(triangle));
     let shading = normals.and_then(|(normals, indices)| normals.corners(triangle, *indices));
     let is_behind = |n: [f32; 3]| Vec3::from(n).as_dvec3().dot(normal) < 0.0;

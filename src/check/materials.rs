@@ -104,7 +104,8 @@ pub(super) fn name_places(materials: &mut [MaterialReport], object: &Object) {
     }
 }
 
-/// Every texture of `definitions`; one that is missing or cannot be opened is a finding.
+/// Every texture of `definitions`; one that is there and cannot be opened is a finding. (That one is missing, the
+/// reader says.)
 pub(super) fn textures(definitions: &[Option<MtlMaterial>], findings: &mut Findings) -> Vec<TextureReport> {
     let mut reports = Vec::new();
     for material in definitions.iter().flatten() {
@@ -112,20 +113,11 @@ pub(super) fn textures(definitions: &[Option<MtlMaterial>], findings: &mut Findi
         for (key, texture) in material.textures() {
             let found = find(folder, texture.value.file.as_os_str().as_encoded_bytes());
             let opened = found.as_ref().map(|found| open_regular(&found.path).map(|_| ()));
-            let trouble = match opened {
-                None => Some(("texture-missing", format!("the file of a {key} was not found"))),
-                Some(Err(e)) => Some(("texture-unreadable", format!("the file of a {key}: {}", e.message))),
-                Some(Ok(())) => None,
-            };
             let (file, line) = (material.library.clone(), texture.line);
-            if let Some((kind, message)) = trouble {
-                findings.push(Finding {
-                    file: file.clone(),
-                    line,
-                    kind,
-                    message,
-                    severity: Severity::Warning,
-                });
+            if let Some(Err(e)) = opened {
+                let message = format!("the file of a {key} cannot be read: {}", e.message);
+                let (kind, severity) = ("texture-unreadable", Severity::Warning);
+                findings.push(Finding { file: file.clone(), line, kind, message, severity });
             }
             reports.push(TextureReport { library: file, line, key, path: found.map(|found| found.path) });
         }

@@ -92,7 +92,7 @@ pub fn check_mesh(
         bounds: (!is_empty).then_some(Bounds { min: sizes.min + origin, max: sizes.max + origin }),
         origin,
         area: sizes.area,
-        volume: (welded.oriented && !is_empty).then_some(sizes.volume),
+        volume: (welded.oriented && !is_empty).then_some(sizes.six_volumes / 6.0),
         has_normals: mesh.normals.is_some(),
         has_uvs: mesh.uvs.is_some(),
         flipped_normals: sizes.flipped,

@@ -125,7 +125,8 @@ fn materials(page: &mut String, report: &Report) {
     let width = shown.iter().map(|n| n.chars().count()).max().unwrap_or(0).clamp(12, 40);
     for (m, name) in all.iter().zip(shown) {
         let defined = m.defined.as_ref().map(|(file, line)| format!("{}:{line}", show_path(file)));
-        let defined = defined.unwrap_or_else(|| "no library defines it".to_string());
+        let unknown = if m.name.is_empty() { "the default" } else { "no library defines it" };
+        let defined = defined.unwrap_or_else(|| unknown.to_string());
         let emits = if m.emits { ", emits" } else { "" };
         let _ = writeln!(
             page,
