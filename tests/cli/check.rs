@@ -24,7 +24,7 @@ fn a_good_mesh_is_called_good() {
     let ended = drt(folder.path(), &["check", "t.obj"]);
     ended.expect(0, &[]);
     assert_eq!(ended.err, "");
-    for words in ["4 of 4 faces", "watertight   yes", "volume       0.1666667", "emission     none"] {
+    for words in ["4 of 4 faces", "watertight   yes", "volume       0.16666", "emission     none"] {
         assert!(ended.out.contains(words), "{words:?} not in\n{}", ended.out);
     }
     assert_eq!(ended.out.lines().last(), Some("nothing wrong"));
