@@ -129,7 +129,7 @@ fn c3_inputs_with_awkward_names_and_unreadable_ones() {
         ended.expect(1, &[]);
     }
     use std::os::unix::fs::PermissionsExt;
-    fs::set_permissions(dir.join("UPPER.OBJ"), fs::Permissions::from_mode(0)).unwrap();
+    fs::set_permissions(dir.join("UPPER.OBJ"), fs::Permissions::from_mode(0o000)).unwrap();
     if fs::File::open(dir.join("UPPER.OBJ")).is_ok() {
         eprintln!("SKIPPED a part of this test: this user may read anything");
     } else {
