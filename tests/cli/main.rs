@@ -4,6 +4,7 @@ mod check;
 mod files;
 mod mistakes;
 mod pictures;
+mod readme;
 mod rows_command;
 mod rows_files;
 mod rows_numbers;

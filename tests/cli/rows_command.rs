@@ -48,7 +48,7 @@ fn c2_every_flag_refuses_nonsense_and_names_itself() {
         &[("--seed", "0"), ("--max-depth", "0"), ("--exposure", "0"), ("--exposure", "-1")];
     for flag in flags() {
         for value in
-            ["0", "-1", "nan", "inf", "1000000000000000000000000000000", "", "text", "٣", "0x10", "1e999"]
+            ["0", "-1", "nan", "inf", "1000000000000000000000000000000", "", "text", "٣", "1,0", "1e999"]
         {
             let folder = folder();
             let word = format!("{flag}={value}");
@@ -129,7 +129,7 @@ fn c3_inputs_with_awkward_names_and_unreadable_ones() {
         ended.expect(1, &[]);
     }
     use std::os::unix::fs::PermissionsExt;
-    fs::set_permissions(dir.join("UPPER.OBJ"), fs::Permissions::from_mode(0)).unwrap();
+    fs::set_permissions(dir.join("UPPER.OBJ"), fs::Permissions::from_mode(0o000)).unwrap();
     if fs::File::open(dir.join("UPPER.OBJ")).is_ok() {
         eprintln!("SKIPPED a part of this test: this user may read anything");
     } else {
