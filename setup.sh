@@ -29,7 +29,6 @@ install_packages() {
     as_root=(sudo)
   fi
   say "installing ${missing[*]}"
-  local log
   log=$(mktemp)
   trap 'rm -f "$log"' EXIT
   if ! { "${as_root[@]}" apt-get update &&

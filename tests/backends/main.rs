@@ -531,3 +531,56 @@ proptest! {
         agree("small mesh", &one(mesh), &rays);
     }
 }
+
+/// Rays from outside a closed body, aimed at the edges where it turns away, do not meet its inside: a path
+/// would go on within it. (Embree alone gives the back triangle for one in a hundred of them.)
+#[test]
+fn rays_from_outside_meet_the_outside() {
+    for (what, mesh) in [("torus", torus(60)), ("sphere", uv_sphere(80))] {
+        let corner = |i: u32| Vec3::from(mesh.positions[i as usize]);
+        let normal = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(corner);
+            (b - a).cross(c - a)
+        };
+        let volume: f32 = mesh.indices.iter().map(|t| corner(t[0]).dot(normal(t))).sum();
+        let mut edges: Vec<([u32; 2], usize)> = Vec::new();
+        for (i, t) in mesh.indices.iter().enumerate() {
+            for k in 0..3 {
+                let (a, b) = (t[k], t[(k + 1) % 3]);
+                edges.push(([a.min(b), a.max(b)], i));
+            }
+        }
+        edges.sort_unstable();
+        let mut random = Random(11);
+        let mut rays = Vec::new();
+        for _ in 0..12 * effort() {
+            let o = random.cube().normalize_or(Vec3::X) * (3.0 + 2.0 * random.unit());
+            let faces =
+                |i: usize| (o - corner(mesh.indices[i][0])).dot(normal(&mesh.indices[i])) * volume > 0.0;
+            for pair in edges.windows(2).filter(|p| p[0].0 == p[1].0 && faces(p[0].1) != faces(p[1].1)) {
+                let [a, b] = pair[0].0.map(corner);
+                for _ in 0..40 {
+                    rays.push(towards(o, a + (b - a) * (0.05 + 0.9 * random.unit())));
+                }
+            }
+        }
+        assert!(rays.len() > 20_000, "{what}: {} rays", rays.len());
+        let meshes = one(mesh.clone());
+        let chunks = chunks(&rays);
+        for (name, backend) in all(&meshes) {
+            let hits = trace(&*backend, &chunks);
+            let mut inside = 0;
+            for (c, h) in chunks.iter().zip(&hits) {
+                for lane in (0..LANES).filter(|l| h.mesh[*l] != MISS) {
+                    let n = normal(&mesh.indices[h.triangle[lane] as usize]) * volume.signum();
+                    // Seen edge on, within rounding, neither side is wrong.
+                    inside += usize::from(n.normalize_or_zero().dot(c.d(lane).normalize()) > 1e-3);
+                }
+            }
+            // Embree settles hits at edges; where both faces are seen nearly edge on, one in some 90,000 stays
+            // undecided. The hierarchy gives exact ties, which rays aimed at an edge provoke, to the lowest id.
+            let allowed = if name.contains("embree") { rays.len() / 40_000 } else { rays.len() / 100 };
+            assert!(inside <= allowed, "{what}: {name} shows the inside to {inside} of {} rays", rays.len());
+        }
+    }
+}

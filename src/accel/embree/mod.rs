@@ -4,7 +4,8 @@
 //! uncommitted scene cannot be expressed, and a committed one is never changed again. Errors of the library
 //! become a [`Result`] after device, geometry and commit, never per ray.
 //!
-//! The scene is always *robust* (watertight); the default flags lose rays at shared edges.
+//! The scene is always *robust* (watertight); the default flags lose rays at shared edges. Hits at edges are
+//! settled once more (`silhouette.rs`), so that a ray from outside a closed body meets its outside.
 //!
 //! # The same tree everywhere
 //! A picture must not depend on threads or on the processor's model, so the following is pinned:
@@ -20,12 +21,13 @@ mod device;
 mod merged;
 mod scene;
 mod shared;
+mod silhouette;
 mod trace;
 
 #[cfg(test)]
 mod tests;
 
-use super::{BuildOptions, Checked, Coherence, Hits, Intersector, Mask, Quality, cancelled};
+use super::{BuildOptions, Checked, Coherence, Hits, Intersector, LANES, Mask, Quality, cancelled};
 use crate::error::{Error, Result};
 use crate::math::isa::Isa;
 use crate::shape::Mesh;
@@ -42,6 +44,7 @@ pub struct Embree {
     scene: Scene,
     device: Device,
     geometry: Geometry,
+    meshes: Vec<Arc<Mesh>>,
     width: Width,
     isa: Isa,
 }
@@ -88,7 +91,14 @@ impl Embree {
         }
         let scene = uncommitted.commit(options.progress)?;
         let width = Width::native(&device);
-        Ok(Embree { scene, device, geometry, width, isa })
+        Ok(Embree { scene, device, geometry, meshes: meshes.to_vec(), width, isa })
+    }
+
+    /// The closest hits as Embree sees them.
+    #[inline]
+    fn trace(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
+        trace::closest(&self.scene, self.width, rays, coherence, hits);
+        self.name_hits(rays.active(), hits);
     }
 
     /// Names mesh and triangle of the lanes in `hit`, where all meshes share one geometry.
@@ -102,8 +112,17 @@ impl Embree {
 
 impl Intersector for Embree {
     fn closest(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
-        trace::closest(&self.scene, self.width, rays, coherence, hits);
-        self.name_hits(rays.active(), hits);
+        self.trace(rays, coherence, hits);
+        for lane in (0..LANES).filter(|lane| rays.active() >> lane & 1 == 1) {
+            if silhouette::is_near_an_edge(hits, lane) {
+                silhouette::settle(&self.meshes, rays.rays(), lane, hits, |second| {
+                    let checked = second.check(1);
+                    let mut hits = Hits::default();
+                    self.trace(checked, Coherence::Incoherent, &mut hits);
+                    (checked.active() == 1).then_some(hits)
+                });
+            }
+        }
     }
 
     fn occluded(&self, rays: Checked<'_>, coherence: Coherence) -> Mask {
