@@ -271,3 +271,19 @@ pub fn unknown_word_advice(word: &str, known: &[&str]) -> String {
         None => format!("known: {list}"),
     }
 }
+
+/// The value of `word` in a list of (name, meaning, value); `what` is what the list is of.
+///
+/// # Errors
+/// A word that is not in the list, with the one that was probably meant.
+pub fn lookup<T: Copy>(what: &str, word: &str, table: &[(&'static str, &'static str, T)]) -> Result<T> {
+    table.iter().find(|row| row.0 == word).map(|row| row.2).ok_or_else(|| {
+        let known: Vec<&str> = table.iter().map(|row| row.0).collect();
+        Error::usage(format!("unknown {what} \"{word}\"")).advise(unknown_word_advice(word, &known))
+    })
+}
+
+/// The name of a value in such a list.
+pub fn name_in<T: PartialEq>(value: &T, table: &[(&'static str, &'static str, T)]) -> &'static str {
+    table.iter().find(|row| row.2 == *value).map_or("", |row| row.0)
+}

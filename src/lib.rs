@@ -10,7 +10,7 @@
 //! image files ◀──output── Image ◀──film── pixels ◀──render── Integrator (waves of paths)
 //! ```
 //!
-//! `math, error ◀ shape ◀ {bsdf, light, camera, sampler, film, accel} ◀ scene ◀ load ◀ integrator ◀ render ◀ cli`
+//! `math, error ◀ shape ◀ accel ◀ {bsdf, light, camera, sampler, film} ◀ scene ◀ load ◀ integrator ◀ render ◀ cli`
 //!
 //! | to find … | open |
 //! |---|---|
@@ -21,7 +21,6 @@
 //! | who intersects, and who judges | [`accel`]: the trait, Embree, our BVH, the f64 judge |
 //! | how OBJ, MTL and scene files are read | [`load`] |
 //! | what is wrong with a mesh file | [`check`]: counts, topology, materials, findings |
-//! | how two pictures are compared | [`compare`]: squared errors and FLIP |
 //! | what a picture file holds | [`output`], which sees only [`film::Image`] |
 //! | how far two pictures are apart | [`compare`]: MSE, relMSE, PSNR, FLIP |
 //!

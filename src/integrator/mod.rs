@@ -12,12 +12,14 @@ mod ao;
 mod context;
 mod normals;
 mod path;
+mod stats;
 pub mod wave;
 
 pub use ao::Ao;
 pub use context::{Context, Dimensions};
 pub use normals::Normals;
 pub use path::Path;
+pub use stats::RenderStats;
 
 use crate::bsdf::{Scatter, View};
 use crate::light::End;

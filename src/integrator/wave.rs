@@ -5,14 +5,13 @@
 //! repeats `extend` (closest hits) → `shade` (lanes grouped by BSDF, each vertex pushing into the next
 //! chunks, which also compacts them) → `connect` (shadow rays) until no path is left. It knows no physics.
 
-use super::{Arrival, Context, Integrator, Sink, Vertex};
+use super::{Arrival, Context, Integrator, RenderStats, Sink, Vertex};
 use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, Rays};
 use crate::bsdf::{Bsdf, Scatter, View};
 use crate::film::{Film, FirstHit, Tile};
 use crate::light::{End, Sphere, sphere};
 use crate::math::ray::Ray;
 use crate::math::{Rgb, Vec2, Vec3};
-use crate::render::RenderStats;
 use crate::sampler::Key;
 use crate::shape::Surface;
 use std::ops::Range;

@@ -1,7 +1,7 @@
 //! What a bare mesh gets so that one command makes a picture: a view, a sky, clay and perhaps a ground. All
 //! constants of that look are here.
 
-use crate::error::{Error, Result, unknown_word_advice};
+use crate::error::{Error, Result, lookup, unknown_word_advice};
 use crate::light::Environment;
 use crate::math::{Aabb, DVec3, Rgb, Vec3};
 use crate::shape::Mesh;
@@ -21,14 +21,6 @@ pub const GROUND_SIDE: f64 = 50.0;
 /// How far the ground lies below the lowest point, in sizes: enough that flat undersides and the ground
 /// are not one plane.
 pub const GROUND_GAP: f64 = 1e-4;
-
-/// Looks a word up in a list of (name, meaning, value).
-fn lookup<T: Copy>(what: &str, word: &str, table: &[(&'static str, &'static str, T)]) -> Result<T> {
-    table.iter().find(|row| row.0 == word).map(|row| row.2).ok_or_else(|| {
-        let known: Vec<&str> = table.iter().map(|row| row.0).collect();
-        Error::usage(format!("unknown {what} \"{word}\"")).advise(unknown_word_advice(word, &known))
-    })
-}
 
 /// The axis that points up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,7 +9,37 @@ mod sobol;
 mod sobol_table;
 mod stratified;
 
-use crate::scene::SamplerKind;
+use crate::error::{Result, lookup, name_in};
+
+/// Where the numbers come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SamplerKind {
+    /// Owen-scrambled Sobol points.
+    Sobol,
+    /// Jittered strata, as many as there are samples in a pixel.
+    Stratified,
+    /// Independent random numbers.
+    Random,
+}
+
+impl SamplerKind {
+    /// Name, meaning, value.
+    pub const TABLE: &'static [(&'static str, &'static str, SamplerKind)] = &[
+        ("sobol", "Owen-scrambled Sobol points: the least noise", SamplerKind::Sobol),
+        ("stratified", "jittered strata, one a sample of the pixel", SamplerKind::Stratified),
+        ("random", "independent random numbers", SamplerKind::Random),
+    ];
+
+    /// The sampler of that name.
+    pub fn from_name(word: &str) -> Result<Self> {
+        lookup("sampler", word, Self::TABLE)
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        name_in(&self, Self::TABLE)
+    }
+}
 
 /// A sample of a pixel: what a path carries to draw its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +53,8 @@ pub struct Key {
 /// Draws numbers.
 #[derive(Clone, Debug)]
 pub struct Sampler {
-    seed: u64,
+    /// Both halves of the seed, hashed.
+    seed: u32,
     kind: Kind,
 }
 
@@ -42,6 +73,7 @@ impl Sampler {
             SamplerKind::Stratified => Kind::Stratified(stratified::Stratified::new(spp)),
             SamplerKind::Random => Kind::Random(random::Random::new(seed)),
         };
+        let seed = hash(seed as u32) ^ hash((seed >> 32) as u32 ^ 0x5bd1_e995);
         Sampler { seed, kind }
     }
 
@@ -49,8 +81,7 @@ impl Sampler {
     /// one picture never share a key: the scrambling is a bijection.
     #[inline(always)]
     pub fn key(&self, pixel: u32, index: u32) -> Key {
-        let seed = hash(self.seed as u32) ^ hash((self.seed >> 32) as u32 ^ 0x5bd1_e995);
-        Key { pixel: hash(pixel ^ seed), index }
+        Key { pixel: hash(pixel ^ self.seed), index }
     }
 
     /// 32 uniform bits.

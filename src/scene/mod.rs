@@ -3,7 +3,9 @@
 
 pub mod settings;
 
-pub use settings::{BuildQuality, IntegratorKind, LightSampling, SamplerKind, Settings};
+pub use settings::{BuildQuality, IntegratorKind, LightSampling, Settings};
+
+pub use crate::sampler::SamplerKind;
 
 use crate::bsdf::Material;
 use crate::camera::CameraSpec;

@@ -2,8 +2,9 @@
 //! goes into the picture's `drt` attribute.
 
 use crate::accel::{Backend, Quality};
-use crate::error::{Error, Result, unknown_word_advice};
+use crate::error::{Result, lookup, name_in};
 use crate::film::{Aov, Filter};
+use crate::sampler::SamplerKind;
 
 /// What is computed along the rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,17 +20,6 @@ pub enum IntegratorKind {
     },
     /// The shading normal as a colour, (n+1)/2.
     Normals,
-}
-
-/// Where the numbers come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SamplerKind {
-    /// Owen-scrambled Sobol points.
-    Sobol,
-    /// Jittered strata, as many as there are samples in a pixel.
-    Stratified,
-    /// Independent random numbers.
-    Random,
 }
 
 /// Which sampling finds the lights.
@@ -51,19 +41,6 @@ pub enum BuildQuality {
     Auto,
     /// As said.
     Fixed(Quality),
-}
-
-/// Looks a word up in a list of (name, meaning, value).
-fn lookup<T: Copy>(what: &str, word: &str, table: &[(&'static str, &'static str, T)]) -> Result<T> {
-    table.iter().find(|row| row.0 == word).map(|row| row.2).ok_or_else(|| {
-        let known: Vec<&str> = table.iter().map(|row| row.0).collect();
-        Error::usage(format!("unknown {what} \"{word}\"")).advise(unknown_word_advice(word, &known))
-    })
-}
-
-/// Name of a value in a list of (name, meaning, value).
-fn name_in<T: PartialEq>(value: &T, table: &[(&'static str, &'static str, T)]) -> &'static str {
-    table.iter().find(|row| row.2 == *value).map_or("", |row| row.0)
 }
 
 impl IntegratorKind {
@@ -92,25 +69,6 @@ impl IntegratorKind {
             IntegratorKind::Ao { .. } => "ao",
             IntegratorKind::Normals => "normals",
         }
-    }
-}
-
-impl SamplerKind {
-    /// Name, meaning, value.
-    pub const TABLE: &'static [(&'static str, &'static str, SamplerKind)] = &[
-        ("sobol", "Owen-scrambled Sobol points: the least noise", SamplerKind::Sobol),
-        ("stratified", "jittered strata, one a sample of the pixel", SamplerKind::Stratified),
-        ("random", "independent random numbers", SamplerKind::Random),
-    ];
-
-    /// The sampler of that name.
-    pub fn from_name(word: &str) -> Result<Self> {
-        lookup("sampler", word, Self::TABLE)
-    }
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        name_in(&self, Self::TABLE)
     }
 }
 
