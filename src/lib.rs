@@ -54,6 +54,7 @@
 
 pub mod error;
 pub mod math;
+pub mod quadrature;
 pub mod shape;
 
 pub mod accel;

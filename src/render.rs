@@ -1,13 +1,13 @@
 //! The render loop: tiles × blocks of samples in parallel, pass by pass, with progress and cancellation.
 
 use crate::accel::{BuildOptions, Intersector};
-use crate::error::Result;
-use crate::film::{Film, Image, Tile};
+use crate::error::{Error, Result};
+use crate::film::{Develop, Film, Image, PixelRule, Tile};
 pub use crate::integrator::RenderStats;
 use crate::integrator::wave::{Job, Wave};
-use crate::integrator::{Ao, Context, Integrator, Normals, Path};
+use crate::integrator::{Ao, Context, Distribution, Integrator, Normals, Path};
 use crate::math::isa::{self, Isa, Kernel};
-use crate::scene::{IntegratorKind, Scene, Settings};
+use crate::scene::{IntegratorKind, Quantity, Scene, Settings};
 use rayon::prelude::*;
 use serde_json::json;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -83,7 +83,8 @@ fn block(k: u32) -> std::ops::Range<u32> {
 /// Renders `scene` with a structure that [`build`] made.
 ///
 /// # Errors
-/// A camera that cannot be, or not enough memory for the film.
+/// A camera that cannot be, more directions than can be followed, a grid of pixel points that `spp` does not
+/// fit, or not enough memory for the film.
 pub fn render(
     scene: &Scene,
     settings: &Settings,
@@ -99,6 +100,9 @@ pub fn render(
         IntegratorKind::Direct => job.render(&path(max_depth.min(1))),
         IntegratorKind::Ao { distance } => job.render(&Ao { distance }),
         IntegratorKind::Normals => job.render(&Normals),
+        IntegratorKind::Distribution { rule, directions } => {
+            job.render(&Distribution::new(rule, &directions, settings)?)
+        }
     }
 }
 
@@ -114,7 +118,16 @@ impl Picture<'_> {
     fn render<I: Integrator>(&self, integrator: &I) -> Result<Rendering> {
         let s = self.settings;
         let cx = Context::new(self.scene, s)?;
-        let film = Film::new(s.size, !s.aovs.is_empty())?;
+        if let Some(grid) = s.rule.grid()
+            && grid.points() != u64::from(s.spp)
+        {
+            return Err(Error::new(format!(
+                "{} points of the pixel rule do not make {} samples a pixel",
+                grid.points(),
+                s.spp
+            )));
+        }
+        let film = Film::new(s.size, !s.aovs.is_empty(), cx.pixel.is_signed())?;
         let crop = s.crop.unwrap_or([0, 0, s.size[0], s.size[1]]);
         let tiles = touched_tiles(crop);
         let total = u64::from(crop[2]) * u64::from(crop[3]) * u64::from(s.spp);
@@ -132,7 +145,11 @@ impl Picture<'_> {
             }
         }
         let settings = settings_json(s, self.accel, self.scene, film.samples_done(crop));
-        let image = film.develop(crop, &s.aovs, self.scene.origin, settings);
+        let area = match s.quantity {
+            Quantity::Radiance => 1.0,
+            Quantity::Flux => self.scene.camera.window.pixel_area(s.size),
+        };
+        let image = film.develop(Develop { crop, aovs: &s.aovs, origin: self.scene.origin, area, settings });
         Ok(Rendering { image, stats, complete })
     }
 
@@ -204,17 +221,17 @@ fn settings_json(s: &Settings, accel: &dyn Intersector, scene: &Scene, samples: 
     let parameters = s.filter.parameters().into_iter().map(|(name, value)| (name.to_string(), json!(value)));
     let kind = ("type".to_string(), json!(s.filter.name()));
     let filter: serde_json::Map<String, serde_json::Value> = parameters.chain([kind]).collect();
-    let integrator = match s.integrator {
-        IntegratorKind::Ao { distance } if distance.is_finite() => {
-            json!({ "type": "ao", "distance": distance })
-        }
-        other => json!(other.name()),
-    };
     json!({
         "version": env!("CARGO_PKG_VERSION"),
-        "film": { "size": s.size, "crop": s.crop, "filter": filter },
+        "film": {
+            "size": s.size,
+            "crop": s.crop,
+            "filter": filter,
+            "rule": rule_json(s.rule),
+            "quantity": s.quantity.name(),
+        },
         "render": {
-            "integrator": integrator,
+            "integrator": integrator_json(&s.integrator),
             "lights": s.lights.name(),
             "roulette": s.roulette,
             "spp": s.spp,
@@ -230,6 +247,33 @@ fn settings_json(s: &Settings, accel: &dyn Intersector, scene: &Scene, samples: 
         "complete": samples.0 == s.spp,
     })
     .to_string()
+}
+
+fn integrator_json(kind: &IntegratorKind) -> serde_json::Value {
+    match kind {
+        IntegratorKind::Ao { distance } if distance.is_finite() => {
+            json!({ "type": "ao", "distance": distance })
+        }
+        IntegratorKind::Distribution { rule, directions } => {
+            let cells: Vec<[u32; 2]> = directions.cells().iter().map(|c| [c.theta, c.phi]).collect();
+            let mut all = json!({ "type": kind.name(), "rule": rule.name(), "directions": cells });
+            if let Some(per_cell) = rule.per_cell() {
+                all["per_cell"] = json!(per_cell);
+            }
+            if let Some(measure) = rule.measure() {
+                all["measure"] = json!(measure.name());
+            }
+            all
+        }
+        other => json!(other.name()),
+    }
+}
+
+fn rule_json(rule: PixelRule) -> serde_json::Value {
+    match rule.grid() {
+        Some(grid) => json!({ "type": rule.name(), "grid": grid.cells, "per_cell": grid.per_cell }),
+        None => json!(rule.name()),
+    }
 }
 
 #[cfg(test)]

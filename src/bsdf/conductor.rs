@@ -1,7 +1,7 @@
 //! Metals: GGX microfacets that reflect with a constant or a measured reflectance.
 
 use super::fresnel::Reflectance;
-use super::{Sample, Scatter, View, ggx, reflect};
+use super::{Delta, Sample, Scatter, View, ggx, reflect};
 use crate::math::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::math::{Rgb, Vec3};
 
@@ -116,5 +116,11 @@ impl Scatter for Conductor {
     #[inline(always)]
     fn is_delta(&self) -> bool {
         self.alpha < SMOOTH
+    }
+
+    #[inline(always)]
+    fn deltas(&self, view: &View) -> [Option<Delta>; 2] {
+        let mirror = || Delta { wi: reflect(view.wo), weight: self.reflectance.at(view.wo.z) };
+        [self.is_delta().then(mirror), None]
     }
 }

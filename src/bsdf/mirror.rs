@@ -1,6 +1,6 @@
 //! A perfect mirror.
 
-use super::{Sample, Scatter, View, reflect};
+use super::{Delta, Sample, Scatter, View, reflect};
 use crate::math::{Rgb, Vec3};
 
 /// A perfect mirror with constant reflectance.
@@ -24,5 +24,10 @@ impl Scatter for Mirror {
     #[inline(always)]
     fn is_delta(&self) -> bool {
         true
+    }
+
+    #[inline(always)]
+    fn deltas(&self, view: &View) -> [Option<Delta>; 2] {
+        [Some(Delta { wi: reflect(view.wo), weight: self.reflectance }), None]
     }
 }

@@ -52,8 +52,29 @@ pub trait Scatter {
     /// A direction by importance: `u` places it, `lobe` chooses between lobes. `None` absorbs.
     fn sample(&self, view: &View, u: [f32; 2], lobe: f32) -> Option<Sample>;
 
-    /// True when [`Scatter::eval`] is zero everywhere, so that light samples would be wasted.
+    /// True when [`Scatter::eval`] is zero everywhere, so that light samples would be wasted. No model is both: one
+    /// that has [`Scatter::deltas`] has nothing else.
     fn is_delta(&self) -> bool;
+
+    /// The directions that only a delta chooses, for integrators that follow each of them instead of choosing by
+    /// chance: the sum of their weights is the mean weight of [`Scatter::sample`].
+    fn deltas(&self, _view: &View) -> [Option<Delta>; 2] {
+        [None; 2]
+    }
+
+    /// True when light passes through by directions that are not deltas: `eval` is not zero for all `wi.z < 0`.
+    fn transmits(&self) -> bool {
+        false
+    }
+}
+
+/// One of the directions of [`Scatter::deltas`].
+#[derive(Clone, Copy, Debug)]
+pub struct Delta {
+    /// The direction.
+    pub wi: Vec3,
+    /// What of the light from there goes on to `wo`.
+    pub weight: Rgb,
 }
 
 /// The models.

@@ -26,6 +26,15 @@ pub struct Window {
     pub distance: f64,
 }
 
+impl Window {
+    /// |Δi·Δj|, the area of one of `size` pixels on the image plane.
+    pub fn pixel_area(&self, size: [u32; 2]) -> f64 {
+        let delta_i = (self.right - self.left) / f64::from(size[0]);
+        let delta_j = (self.bottom - self.top) / f64::from(size[1]);
+        (delta_i * delta_j).abs()
+    }
+}
+
 /// How points of the image become rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {

@@ -138,6 +138,8 @@ pub struct FilterSampler {
     radius: f32,
     /// ∫|f|/∫f in one dimension, the weight of every sample up to its sign; 1 for filters without one.
     weight: f32,
+    /// Support over ∫f in one dimension.
+    width_over_integral: f64,
     /// The inverse of the 1-D cumulative distribution at equal steps; empty for the box, which is linear.
     inverse: Vec<f32>,
 }
@@ -150,7 +152,13 @@ impl FilterSampler {
     pub fn new(filter: Filter) -> FilterSampler {
         let radius = filter.radius();
         if let Filter::Box { .. } = filter {
-            return FilterSampler { filter, radius, weight: 1.0, inverse: Vec::new() };
+            return FilterSampler {
+                filter,
+                radius,
+                weight: 1.0,
+                width_over_integral: 1.0,
+                inverse: Vec::new(),
+            };
         }
         // Trapezoid sums on a fine grid, then the grid point (interpolated) of each equal share.
         let n = 16 * Self::STEPS;
@@ -173,7 +181,9 @@ impl FilterSampler {
             let t = if step > 0.0 { ((target - sums[at]) / step).clamp(0.0, 1.0) } else { 0.0 };
             (x(at) + (x(at + 1) - x(at)) * t) as f32
         });
-        FilterSampler { filter, radius, weight, inverse: inverse.collect() }
+        // The sums are in units of a step.
+        let width_over_integral = n as f64 / signed;
+        FilterSampler { filter, radius, weight, width_over_integral, inverse: inverse.collect() }
     }
 
     /// True when samples have signs, so that pixels divide by the sum of weights.
@@ -186,6 +196,22 @@ impl FilterSampler {
     #[inline]
     pub fn weight(&self, x: f32) -> f32 {
         if self.filter.profile(f64::from(x)) < 0.0 { -self.weight } else { self.weight }
+    }
+
+    /// Half the side of the support.
+    #[inline(always)]
+    pub fn radius(&self) -> f32 {
+        self.radius
+    }
+
+    /// The filter at 1-D offset `x` over its mean over the support: the weight of a point placed without regard
+    /// to the filter.
+    #[inline]
+    pub fn density(&self, x: f32) -> f32 {
+        if self.inverse.is_empty() {
+            return 1.0;
+        }
+        (self.filter.profile(f64::from(x)) * self.width_over_integral) as f32
     }
 
     /// The 1-D offset for `u` in [0, 1).

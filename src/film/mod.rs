@@ -3,8 +3,10 @@
 
 pub mod filter;
 mod image;
+pub mod rule;
 mod store;
 
 pub use filter::Filter;
 pub use image::{Channel, Data, Image};
-pub use store::{Aov, Film, FirstHit, Tile};
+pub use rule::{PixelPoints, PixelRule};
+pub use store::{Aov, Develop, Film, FirstHit, Tile};

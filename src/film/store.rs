@@ -73,11 +73,11 @@ struct Pixel {
 }
 
 impl Pixel {
-    /// What samples are divided by: the sum of their weights, which keeps a constant picture exact under a
-    /// filter with negative lobes; or their number where too few samples make that sum small.
-    fn divisor(&self) -> f64 {
+    /// What samples are divided by: their number; under a filter with negative lobes the sum of their weights,
+    /// which keeps a constant picture exact, unless too few samples make that sum small.
+    fn divisor(&self, signed: bool) -> f64 {
         let samples = f64::from(self.samples);
-        if self.weight > 0.25 * samples { self.weight } else { samples }
+        if signed && self.weight > 0.25 * samples { self.weight } else { samples }
     }
 }
 
@@ -101,12 +101,12 @@ impl Tile {
     /// Adds a sample's radiance with the filter's weight (mean 1) to the pixel of that index in the tile
     /// (row by row).
     #[inline]
-    pub fn add(&mut self, pixel: usize, radiance: Rgb, weight: f32) {
+    pub fn add(&mut self, pixel: usize, radiance: DVec3, weight: f32) {
         let p = &mut self.pixels[pixel];
         let weight = f64::from(weight);
-        p.radiance[0] += f64::from(radiance.x) * weight;
-        p.radiance[1] += f64::from(radiance.y) * weight;
-        p.radiance[2] += f64::from(radiance.z) * weight;
+        p.radiance[0] += radiance.x * weight;
+        p.radiance[1] += radiance.y * weight;
+        p.radiance[2] += radiance.z * weight;
         p.weight += weight;
         p.samples += 1;
     }
@@ -127,12 +127,28 @@ impl Tile {
     }
 }
 
+/// What a picture is developed with.
+#[derive(Clone, Debug)]
+pub struct Develop<'a> {
+    /// The part that is wanted: x, y, width, height.
+    pub crop: [u32; 4],
+    /// The layers that are wanted.
+    pub aovs: &'a [Aov],
+    /// The scene's origin in file coordinates.
+    pub origin: DVec3,
+    /// What the colours are multiplied by: 1 for radiance, the pixel's area |Δi·Δj| for the flux of eq. (6).
+    pub area: f64,
+    /// The `drt` attribute.
+    pub settings: String,
+}
+
 /// All tiles of a picture.
 #[derive(Debug)]
 pub struct Film {
     size: [u32; 2],
     tiles: [u32; 2],
     store: Vec<Mutex<Tile>>,
+    signed: bool,
 }
 
 impl Film {
@@ -140,11 +156,12 @@ impl Film {
     /// depend on.
     pub const TILE: u32 = 8;
 
-    /// An empty film of `size` pixels with room for layers where `layers` says so.
+    /// An empty film of `size` pixels with room for layers where `layers` says so. `signed`: weights may be
+    /// negative.
     ///
     /// # Errors
     /// Not enough memory.
-    pub fn new(size: [u32; 2], layers: bool) -> Result<Film> {
+    pub fn new(size: [u32; 2], layers: bool, signed: bool) -> Result<Film> {
         let tiles = size.map(|s| s.div_ceil(Self::TILE));
         let count = tiles[0] as usize * tiles[1] as usize;
         let pixels = (Self::TILE * Self::TILE) as usize;
@@ -161,7 +178,7 @@ impl Film {
             }
             store.push(Mutex::new(tile));
         }
-        Ok(Film { size, tiles, store })
+        Ok(Film { size, tiles, store, signed })
     }
 
     /// Number of tiles along x and y.
@@ -195,18 +212,20 @@ impl Film {
         out
     }
 
-    /// The picture: means of what was added, with the layers asked for. `origin`: the scene's origin in file
-    /// coordinates; `settings`: the `drt` attribute.
-    pub fn develop(&self, crop: [u32; 4], aovs: &[Aov], origin: DVec3, settings: String) -> Image {
+    /// The picture: means of what was added, with the layers asked for.
+    pub fn develop(&self, how: Develop<'_>) -> Image {
+        let crop = how.crop;
         let colours = self.collect(crop, |tile, i| {
             let p = &tile.pixels[i];
-            p.radiance.map(|sum| if p.samples > 0 { (sum / p.divisor()) as f32 } else { 0.0 })
+            let mean = |sum: f64| (sum / p.divisor(self.signed)) as f32;
+            // Rounded before it is scaled, so that flux is what the radiance of a file gives.
+            p.radiance.map(|sum| if p.samples > 0 { (f64::from(mean(sum)) * how.area) as f32 } else { 0.0 })
         });
-        let mut image = Image::from_rgb(crop[2], crop[3], &colours, settings);
+        let mut image = Image::from_rgb(crop[2], crop[3], &colours, how.settings);
         image.offset = [crop[0], crop[1]];
         image.full_size = self.size;
-        for aov in Aov::ALL.into_iter().filter(|a| aovs.contains(a)) {
-            self.develop_layer(crop, aov, origin, &mut image);
+        for aov in Aov::ALL.into_iter().filter(|a| how.aovs.contains(a)) {
+            self.develop_layer(crop, aov, how.origin, &mut image);
         }
         image
     }

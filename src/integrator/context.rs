@@ -4,9 +4,11 @@ use super::Vertex;
 use crate::bsdf::Material;
 use crate::camera::Camera;
 use crate::error::Result;
+use crate::film::PixelPoints;
 use crate::film::filter::FilterSampler;
-use crate::light::{Emission, Lights};
-use crate::sampler::Sampler;
+use crate::light::{Emission, Lights, Sampled};
+use crate::quadrature::hemisphere::HemisphereRule;
+use crate::sampler::{Sampler, SamplerKind};
 use crate::scene::{IntegratorKind, LightSampling, Scene, Settings};
 use crate::shape::Mesh;
 use std::sync::Arc;
@@ -22,10 +24,12 @@ pub struct Context<'a> {
     pub lights: Lights,
     /// The camera.
     pub camera: Camera,
-    /// Draws places in the pixel.
-    pub filter: FilterSampler,
+    /// Places in the pixel.
+    pub pixel: PixelPoints,
     /// Draws numbers.
     pub sampler: Sampler,
+    /// Draws independent numbers, for the rules that ask for them.
+    pub random: Sampler,
     /// Which number is used for what.
     pub dimensions: Dimensions,
     /// True when vertices take light samples.
@@ -49,11 +53,18 @@ impl<'a> Context<'a> {
             scene.materials.iter().map(emission).collect(),
             &scene.lights,
             0.5 * bounds.extent().length(),
-            settings.lights == LightSampling::Light,
+            Sampled {
+                any_environment: settings.lights == LightSampling::Light,
+                deltas: !matches!(settings.integrator, IntegratorKind::Distribution { .. }),
+            },
         );
         let camera = Camera::new(&scene.camera, scene.origin)?;
         let has_lobes = scene.materials.iter().any(|m| m.bsdf.has_lobes());
-        let lit = matches!(settings.integrator, IntegratorKind::Path | IntegratorKind::Direct);
+        let lit = match settings.integrator {
+            IntegratorKind::Path | IntegratorKind::Direct => true,
+            IntegratorKind::Distribution { rule, .. } => rule == HemisphereRule::Importance,
+            IntegratorKind::Ao { .. } | IntegratorKind::Normals => false,
+        };
         let samples_lights = lit && !lights.is_empty();
         Ok(Context {
             meshes: &scene.meshes,
@@ -61,8 +72,9 @@ impl<'a> Context<'a> {
             dimensions: Dimensions::new(camera.has_lens(), has_lobes, samples_lights),
             lights,
             camera,
-            filter: FilterSampler::new(settings.filter),
+            pixel: PixelPoints::new(settings.rule, FilterSampler::new(settings.filter)),
             sampler: Sampler::new(settings.sampler, settings.seed, settings.spp),
+            random: Sampler::new(SamplerKind::Random, settings.seed, settings.spp),
             samples_lights,
             has_lobes,
             size: settings.size,

@@ -10,6 +10,7 @@
 
 mod ao;
 mod context;
+mod distribution;
 mod normals;
 mod path;
 mod stats;
@@ -17,15 +18,17 @@ pub mod wave;
 
 pub use ao::Ao;
 pub use context::{Context, Dimensions};
+pub use distribution::Distribution;
 pub use normals::Normals;
 pub use path::Path;
 pub use stats::RenderStats;
 
 use crate::bsdf::{Scatter, View};
-use crate::light::End;
+use crate::light::{End, LightSample};
 use crate::math::ray::Ray;
-use crate::math::{Frame, Rgb, Vec3};
+use crate::math::{Frame, Rgb, Vec3, mis};
 use crate::sampler::Key;
+use crate::scene::LightSampling;
 use crate::shape::Surface;
 
 /// A point where a path meets a surface.
@@ -67,6 +70,8 @@ pub struct Arrival {
     pub pdf: f32,
     /// Scattering events so far.
     pub depth: u32,
+    /// Which of the branches into which the sample has split by now; 0 where nothing splits.
+    pub branch: u32,
     /// Which sample of which pixel.
     pub key: Key,
 }
@@ -79,16 +84,91 @@ pub trait Sink {
     /// Radiance that reaches the pixel if `shadow` is free.
     fn connect(&mut self, shadow: Ray, radiance: Rgb);
 
-    /// A ray to follow: unit direction `d`, throughput `beta`, density `pdf` of the direction.
-    fn extend(&mut self, o: Vec3, d: Vec3, beta: Rgb, pdf: f32);
+    /// A ray to follow.
+    fn extend(&mut self, next: Extension);
+}
+
+/// A ray to follow.
+#[derive(Clone, Copy, Debug)]
+pub struct Extension {
+    /// Origin.
+    pub o: Vec3,
+    /// Unit direction.
+    pub d: Vec3,
+    /// Throughput.
+    pub beta: Rgb,
+    /// Density of the direction per solid angle, infinite where no other technique competes.
+    pub pdf: f32,
+    /// See [`Arrival::branch`].
+    pub branch: u32,
 }
 
 /// The mathematics of an integrator. Both functions are compiled into the wave per instruction set and per
 /// BSDF, so mark them `#[inline(always)]`.
 pub trait Integrator: Sync {
+    /// Rays that a vertex after `depth` scattering events pushes at most, of each kind. Waves are cut into pieces
+    /// by it, so that branching does not fill the memory.
+    fn fan_out(&self, _depth: u32) -> u32 {
+        1
+    }
+
     /// What happens at one vertex.
     fn vertex<B: Scatter>(&self, cx: &Context<'_>, v: &Vertex, bsdf: &B, out: &mut impl Sink);
 
     /// What happens to a ray from `o` with unit direction `d` that meets no mesh.
     fn end(&self, cx: &Context<'_>, end: End, o: Vec3, d: Vec3, arrival: &Arrival, out: &mut impl Sink);
+}
+
+/// Light that the surface itself emits, weighted against the chance that light sampling had found it.
+#[inline(always)]
+fn emitted(cx: &Context<'_>, v: &Vertex, out: &mut impl Sink) {
+    let le = cx.lights.emitted(v.material, &v.surface, v.wo);
+    if le != Rgb::ZERO {
+        let pdf = cx.lights.pdf_of_hit(v.material, &v.surface, v.wo, v.t);
+        out.emit(v.arrival.beta * le * mis::power(v.arrival.pdf, pdf));
+    }
+}
+
+/// The same for light that comes from no mesh.
+#[inline(always)]
+fn emitted_at_end(cx: &Context<'_>, end: End, o: Vec3, d: Vec3, arrival: &Arrival, out: &mut impl Sink) {
+    let (le, light_pdf) = cx.lights.at_end(end, o, d);
+    out.emit(arrival.beta * le * mis::power(arrival.pdf, light_pdf));
+}
+
+/// One light sample of density `pdf`, weighted against the chance that BSDF sampling finds the same.
+#[inline(always)]
+fn connect<B: Scatter>(
+    lights: LightSampling,
+    v: &Vertex,
+    bsdf: &B,
+    light: &LightSample,
+    share: f32,
+    out: &mut impl Sink,
+) {
+    let wi = v.frame.to_local(light.wi);
+    let (f_cos, bsdf_pdf) = bsdf.eval(&v.view, wi);
+    if f_cos == Rgb::ZERO || !v.on_the_same_side_as(wi, light.wi) {
+        return;
+    }
+    let weight = match lights {
+        // A delta light has an infinite density: nothing else finds it.
+        LightSampling::Mis => mis::power(light.pdf, bsdf_pdf),
+        LightSampling::Light => 1.0,
+        LightSampling::Bsdf if light.pdf == f32::INFINITY => 1.0,
+        LightSampling::Bsdf => return,
+    };
+    out.connect(light.shadow, v.arrival.beta * f_cos * light.radiance_over_pdf * (weight * share));
+}
+
+/// The density that the ray along a BSDF sample of density `pdf` carries, so that what it meets weighs its light
+/// against light sampling; `light_sampled`: whether this vertex took light samples.
+#[inline(always)]
+fn competing_pdf(lights: LightSampling, light_sampled: bool, pdf: f32) -> f32 {
+    match lights {
+        LightSampling::Mis => pdf,
+        LightSampling::Bsdf => f32::INFINITY,
+        LightSampling::Light if light_sampled => 0.0,
+        LightSampling::Light => f32::INFINITY,
+    }
 }

@@ -1,10 +1,11 @@
 //! Path tracing: the rendering equation, estimated one vertex at a time.
 
-use super::{Arrival, Context, Integrator, Sink, Vertex};
+use super::{Arrival, Context, Extension, Integrator, Sink, Vertex};
+use super::{competing_pdf, connect, emitted, emitted_at_end};
 use crate::bsdf::Scatter;
 use crate::light::End;
+use crate::math::Vec3;
 use crate::math::ray::leave;
-use crate::math::{Rgb, Vec3, mis};
 use crate::scene::LightSampling;
 
 /// Path tracing with next-event estimation, multiple importance sampling and Russian roulette.
@@ -29,14 +30,18 @@ impl Integrator for Path {
     #[inline(always)]
     fn vertex<B: Scatter>(&self, cx: &Context<'_>, v: &Vertex, bsdf: &B, out: &mut impl Sink) {
         let Arrival { beta, depth, key, .. } = v.arrival;
-        self.emitted(cx, v, out);
+        emitted(cx, v, out);
         if depth >= self.max_depth || !cx.scatters(v) {
             return;
         }
         let dimensions = cx.dimensions.at(depth);
         let light_sampled = cx.samples_lights && !bsdf.is_delta();
         if light_sampled {
-            self.connect(cx, v, bsdf, out);
+            let choice = cx.sampler.bits(key, dimensions.choice);
+            let u = cx.sampler.d2(key, dimensions.light);
+            if let Some(light) = cx.lights.sample(&v.surface, choice, u) {
+                connect(self.lights, v, bsdf, &light, 1.0, out);
+            }
         }
 
         // The hemisphere integral of eq. (1) by importance sampling, eq. (20), with the BSDF's density.
@@ -57,56 +62,16 @@ impl Integrator for Path {
                 beta /= keep;
             }
         }
-        let pdf = match self.lights {
-            LightSampling::Mis => sample.pdf,
-            LightSampling::Bsdf => f32::INFINITY,
-            LightSampling::Light if light_sampled => 0.0,
-            LightSampling::Light => f32::INFINITY,
-        };
+        let pdf = competing_pdf(self.lights, light_sampled, sample.pdf);
         if pdf == 0.0 && depth + 1 == self.max_depth {
             return; // the next vertex could only emit, and that has been counted
         }
         let o = leave(v.surface.p, v.surface.error, v.surface.ng, wi);
-        out.extend(o, wi, beta, pdf);
+        out.extend(Extension { o, d: wi, beta, pdf, branch: 0 });
     }
 
     #[inline(always)]
     fn end(&self, cx: &Context<'_>, end: End, o: Vec3, d: Vec3, arrival: &Arrival, out: &mut impl Sink) {
-        let (le, light_pdf) = cx.lights.at_end(end, o, d);
-        out.emit(arrival.beta * le * mis::power(arrival.pdf, light_pdf));
-    }
-}
-
-impl Path {
-    /// Light that the surface itself emits, weighted against the chance that light sampling had found it.
-    #[inline(always)]
-    fn emitted(&self, cx: &Context<'_>, v: &Vertex, out: &mut impl Sink) {
-        let le = cx.lights.emitted(v.material, &v.surface, v.wo);
-        if le != Rgb::ZERO {
-            let pdf = cx.lights.pdf_of_hit(v.material, &v.surface, v.wo, v.t);
-            out.emit(v.arrival.beta * le * mis::power(v.arrival.pdf, pdf));
-        }
-    }
-
-    /// One light sample, weighted against the chance that BSDF sampling finds the same.
-    #[inline(always)]
-    fn connect<B: Scatter>(&self, cx: &Context<'_>, v: &Vertex, bsdf: &B, out: &mut impl Sink) {
-        let dimensions = cx.dimensions.at(v.arrival.depth);
-        let choice = cx.sampler.bits(v.arrival.key, dimensions.choice);
-        let u = cx.sampler.d2(v.arrival.key, dimensions.light);
-        let Some(light) = cx.lights.sample(&v.surface, choice, u) else { return };
-        let wi = v.frame.to_local(light.wi);
-        let (f_cos, bsdf_pdf) = bsdf.eval(&v.view, wi);
-        if f_cos == Rgb::ZERO || !v.on_the_same_side_as(wi, light.wi) {
-            return;
-        }
-        let weight = match self.lights {
-            LightSampling::Mis => mis::power(light.pdf, bsdf_pdf),
-            LightSampling::Light => 1.0,
-            // Only lights that cannot be hit are sampled then.
-            LightSampling::Bsdf if light.pdf == f32::INFINITY => 1.0,
-            LightSampling::Bsdf => return,
-        };
-        out.connect(light.shadow, v.arrival.beta * f_cos * light.radiance_over_pdf * weight);
+        emitted_at_end(cx, end, o, d, arrival, out);
     }
 }

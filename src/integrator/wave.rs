@@ -5,13 +5,14 @@
 //! repeats `extend` (closest hits) → `shade` (lanes grouped by BSDF, each vertex pushing into the next
 //! chunks, which also compacts them) → `connect` (shadow rays) until no path is left. It knows no physics.
 
-use super::{Arrival, Context, Integrator, RenderStats, Sink, Vertex};
+use super::{Arrival, Context, Extension, Integrator, RenderStats, Sink, Vertex};
 use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, Rays};
 use crate::bsdf::{Bsdf, Scatter, View};
+use crate::film::rule::{Numbers, PixelPoint};
 use crate::film::{Film, FirstHit, Tile};
 use crate::light::{End, Sphere, sphere};
 use crate::math::ray::Ray;
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{DVec3, Rgb, Vec2, Vec3};
 use crate::sampler::Key;
 use crate::shape::Surface;
 use std::ops::Range;
@@ -23,10 +24,12 @@ struct Paths {
     beta: [[f32; LANES]; 3],
     pdf: [f32; LANES],
     slot: [u32; LANES],
+    branch: [u32; LANES],
 }
 
 impl Paths {
-    const EMPTY: Paths = Paths { beta: [[0.0; LANES]; 3], pdf: [0.0; LANES], slot: [0; LANES] };
+    const EMPTY: Paths =
+        Paths { beta: [[0.0; LANES]; 3], pdf: [0.0; LANES], slot: [0; LANES], branch: [0; LANES] };
 }
 
 /// Rays with what they carry, in chunks; all of one depth.
@@ -39,7 +42,7 @@ struct Lanes {
 
 impl Lanes {
     #[inline(always)]
-    fn push(&mut self, ray: Ray, beta: Rgb, pdf: f32, slot: u32) {
+    fn push(&mut self, ray: Ray, beta: Rgb, pdf: f32, slot: u32, branch: u32) {
         let (chunk, lane) = (self.len / LANES, self.len % LANES);
         if chunk == self.rays.len() {
             self.rays.push(Rays::default());
@@ -50,7 +53,19 @@ impl Lanes {
         (path.beta[0][lane], path.beta[1][lane], path.beta[2][lane]) = (beta.x, beta.y, beta.z);
         path.pdf[lane] = pdf;
         path.slot[lane] = slot;
+        path.branch[lane] = branch;
         self.len += 1;
+    }
+
+    /// Takes the last lanes in whole chunks, at most `most` of them, leaving the rest.
+    fn split_off(&mut self, most: usize, into: &mut Lanes) {
+        let rest = (self.len - most.min(self.len)).next_multiple_of(LANES).min(self.len);
+        into.rays.clear();
+        into.paths.clear();
+        into.rays.extend_from_slice(&self.rays[rest / LANES..self.len.div_ceil(LANES)]);
+        into.paths.extend_from_slice(&self.paths[rest / LANES..self.len.div_ceil(LANES)]);
+        into.len = self.len - rest;
+        self.len = rest;
     }
 
     #[inline(always)]
@@ -75,7 +90,8 @@ struct Slot {
     key: Key,
     pixel: u32,
     weight: f32,
-    radiance: Rgb,
+    /// In f64: thousands of branches may add up.
+    radiance: DVec3,
 }
 
 /// The wave's sink: the next rays, the shadow rays and the samples' radiance.
@@ -95,17 +111,18 @@ struct PathSink<'a> {
 impl Sink for PathSink<'_> {
     #[inline(always)]
     fn emit(&mut self, radiance: Rgb) {
-        self.pushed.slots[self.slot as usize].radiance += radiance;
+        self.pushed.slots[self.slot as usize].radiance += radiance.as_dvec3();
     }
 
     #[inline(always)]
     fn connect(&mut self, shadow: Ray, radiance: Rgb) {
-        self.pushed.shadows.push(shadow, radiance, 0.0, self.slot);
+        self.pushed.shadows.push(shadow, radiance, 0.0, self.slot, 0);
     }
 
     #[inline(always)]
-    fn extend(&mut self, o: Vec3, d: Vec3, beta: Rgb, pdf: f32) {
-        self.pushed.next.push(Ray { o, d, tmax: f32::INFINITY }, beta, pdf, self.slot);
+    fn extend(&mut self, next: Extension) {
+        let ray = Ray { o: next.o, d: next.d, tmax: f32::INFINITY };
+        self.pushed.next.push(ray, next.beta, next.pdf, self.slot, next.branch);
     }
 }
 
@@ -115,6 +132,9 @@ struct Groups {
     of: [Vec<u32>; 1 + Bsdf::NAMES.len()],
 }
 
+/// Rays that a piece of a wave may push in one step, about: 4 MB.
+const PIECE: usize = 1 << 16;
+
 /// Buffers of one thread, kept from wave to wave.
 #[derive(Debug, Default)]
 pub struct Wave {
@@ -122,6 +142,10 @@ pub struct Wave {
     hits: Vec<Hits>,
     groups: Groups,
     pushed: Pushed,
+    /// Rays that wait, with their depths, the deepest last.
+    waiting: Vec<(u32, Lanes)>,
+    /// Empty buffers.
+    spare: Vec<Lanes>,
     /// What was counted since [`Wave::take_stats`].
     stats: RenderStats,
 }
@@ -149,13 +173,16 @@ impl Wave {
     }
 
     /// Traces the wave of `job` and adds its samples to `tile`.
+    ///
+    /// The deepest rays go first, and where a vertex sends out many a few at a time, so that what waits is at most
+    /// one piece's offspring a depth.
     #[inline(always)]
     pub fn run<I: Integrator>(&mut self, job: &Job<'_, I>, tile: &mut Tile) {
         let mut clock = Instant::now();
         self.start(job);
-        let mut depth = 0;
         self.stats.rest_seconds += lap(&mut clock);
-        while self.current.len > 0 {
+        let mut piece = self.next_piece(job.integrator, 0);
+        while let Some(depth) = piece {
             self.extend(job, depth);
             self.stats.intersect_seconds += lap(&mut clock);
             self.group(job.cx);
@@ -163,20 +190,40 @@ impl Wave {
             self.stats.shade_seconds += lap(&mut clock);
             self.connect(job);
             self.stats.intersect_seconds += lap(&mut clock);
-            std::mem::swap(&mut self.current, &mut self.pushed.next);
-            self.pushed.next.len = 0;
-            depth += 1;
+            piece = self.next_piece(job.integrator, depth + 1);
         }
         self.finish(tile);
         self.stats.rest_seconds += lap(&mut clock);
+    }
+
+    /// Makes the next rays to trace the current ones: what was pushed for `depth`, or else what waits. Says how
+    /// deep they are.
+    #[inline(always)]
+    fn next_piece(&mut self, integrator: &impl Integrator, mut depth: u32) -> Option<u32> {
+        std::mem::swap(&mut self.current, &mut self.pushed.next);
+        self.pushed.next.len = 0;
+        if self.current.len == 0 {
+            let (of, lanes) = self.waiting.pop()?;
+            self.spare.push(std::mem::replace(&mut self.current, lanes));
+            depth = of;
+        }
+        let fan_out = integrator.fan_out(depth) as usize;
+        let most = (PIECE / fan_out).max(LANES);
+        if fan_out > 1 && self.current.len > most {
+            let mut rest = self.spare.pop().unwrap_or_default();
+            std::mem::swap(&mut self.current, &mut rest);
+            rest.split_off(most, &mut self.current);
+            self.waiting.push((depth, rest));
+        }
+        Some(depth)
     }
 
     /// Camera rays: all samples of a pixel side by side, so that a packet is as coherent as can be.
     #[inline(always)]
     fn start<I: Integrator>(&mut self, job: &Job<'_, I>) {
         let cx = job.cx;
-        self.current.len = 0;
-        self.pushed.slots.clear();
+        let Pushed { next, slots, .. } = &mut self.pushed;
+        slots.clear();
         for pixel in 0..Film::TILE * Film::TILE {
             let x = job.tile[0] * Film::TILE + pixel % Film::TILE;
             let y = job.tile[1] * Film::TILE + pixel / Film::TILE;
@@ -186,9 +233,8 @@ impl Wave {
             for index in job.samples.clone() {
                 let key = cx.sampler.key(y * cx.size[0] + x, index);
                 let (ray, weight) = camera_ray(cx, x, y, key);
-                let slot = self.pushed.slots.len() as u32;
-                self.pushed.slots.push(Slot { key, pixel, weight, radiance: Rgb::ZERO });
-                self.current.push(ray, Rgb::ONE, f32::INFINITY, slot);
+                next.push(ray, Rgb::ONE, f32::INFINITY, slots.len() as u32, 0);
+                slots.push(Slot { key, pixel, weight, radiance: DVec3::ZERO });
             }
         }
     }
@@ -301,7 +347,8 @@ impl Wave {
         let path = &self.current.paths[chunk];
         let slot = path.slot[lane];
         let key = self.pushed.slots[slot as usize].key;
-        (Arrival { beta: self.current.beta(chunk, lane), pdf: path.pdf[lane], depth, key }, slot)
+        let (beta, branch) = (self.current.beta(chunk, lane), path.branch[lane]);
+        (Arrival { beta, pdf: path.pdf[lane], depth, branch, key }, slot)
     }
 
     /// The vertex at a lane's hit, with the ids of mesh, triangle and material.
@@ -333,7 +380,8 @@ impl Wave {
             while free != 0 {
                 let lane = free.trailing_zeros() as usize;
                 free &= free - 1;
-                slots[shadows.paths[chunk].slot[lane] as usize].radiance += shadows.beta(chunk, lane);
+                slots[shadows.paths[chunk].slot[lane] as usize].radiance +=
+                    shadows.beta(chunk, lane).as_dvec3();
             }
         }
         shadows.len = 0;
@@ -346,17 +394,20 @@ impl Wave {
             let c = slot.radiance;
             let sound = c.is_finite() && c.min_element() >= 0.0;
             self.stats.invalid_samples += u64::from(!sound);
-            tile.add(slot.pixel as usize, if sound { c } else { Rgb::ZERO }, slot.weight);
+            tile.add(slot.pixel as usize, if sound { c } else { DVec3::ZERO }, slot.weight);
         }
     }
 }
 
-/// The ray through a point of pixel (`x`, `y`) that the filter chose, and its weight.
+/// The ray through a point of pixel (`x`, `y`) that the pixel rule chose, and its weight.
 #[inline(always)]
 fn camera_ray(cx: &Context<'_>, x: u32, y: u32, key: Key) -> (Ray, f32) {
-    let [u, v] = cx.sampler.d2(key, super::Dimensions::PIXEL);
-    let (u, v) = (cx.filter.offset(u), cx.filter.offset(v));
-    let weight = if cx.filter.is_signed() { cx.filter.weight(u) * cx.filter.weight(v) } else { 1.0 };
+    let numbers = match cx.pixel.numbers() {
+        Numbers::Sampler => cx.sampler.d2(key, super::Dimensions::PIXEL),
+        Numbers::Random => cx.random.d2(key, super::Dimensions::PIXEL),
+        Numbers::None => [0.5; 2],
+    };
+    let PixelPoint { offset: [u, v], weight } = cx.pixel.point(key.index, numbers);
     let lens = if cx.camera.has_lens() { cx.sampler.d2(key, super::Dimensions::LENS) } else { [0.5; 2] };
     // In f64: at 100,000 pixels a side f32 leaves 1/128 of a pixel.
     let place =

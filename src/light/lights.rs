@@ -43,6 +43,15 @@ enum Entry {
     Environment,
 }
 
+/// Which lights [`Lights::sample`] chooses from, besides those that always deserve it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampled {
+    /// Also an environment that BSDF sampling finds as well.
+    pub any_environment: bool,
+    /// Also points and parallel light. False: [`Lights::deltas`] gives them, each for itself.
+    pub deltas: bool,
+}
+
 /// Where a ray ends without meeting a mesh.
 #[derive(Clone, Copy, Debug)]
 pub enum End {
@@ -77,14 +86,13 @@ pub struct Lights {
 
 impl Lights {
     /// Collects the emissive triangles of `meshes` (`emissions` by material id) and the other lights.
-    /// `sample_all`: give samples also to an environment that BSDF sampling finds as well.
     /// `radius`: of a sphere around the scene, in metres, to weigh the environment against the rest.
     pub fn new(
         meshes: &[Arc<Mesh>],
         emissions: Vec<Emission>,
         others: &[Light],
         radius: f32,
-        sample_all: bool,
+        sampled: Sampled,
     ) -> Lights {
         let mut lights = Lights {
             meshes: meshes.to_vec(),
@@ -112,8 +120,10 @@ impl Lights {
         let disk = PI * if radius > 0.0 { f64::from(radius).powi(2) } else { 1.0 };
         let mut powers = Vec::new();
         lights.collect_triangles(&mut powers);
-        lights.collect_others(disk, &mut powers);
-        if let Some(environment) = lights.environment.filter(|e| sample_all || e.deserves_samples()) {
+        lights.collect_others(disk, sampled.deltas, &mut powers);
+        if let Some(environment) =
+            lights.environment.filter(|e| sampled.any_environment || e.deserves_samples())
+        {
             lights.entries.push(Entry::Environment);
             powers.push(4.0 * PI * disk * f64::from(luminance(environment.average())));
         }
@@ -121,13 +131,13 @@ impl Lights {
         lights
     }
 
-    /// Adds points, parallel lights and spheres with their powers.
-    fn collect_others(&mut self, disk: f64, powers: &mut Vec<f64>) {
-        for (i, point) in self.points.iter().enumerate() {
+    /// Adds points and parallel lights (if `deltas`) and spheres with their powers.
+    fn collect_others(&mut self, disk: f64, deltas: bool, powers: &mut Vec<f64>) {
+        for (i, point) in self.points.iter().enumerate().filter(|_| deltas) {
             self.entries.push(Entry::Point(i as u32));
             powers.push(4.0 * PI * f64::from(luminance(point.intensity)));
         }
-        for (i, light) in self.directionals.iter().enumerate() {
+        for (i, light) in self.directionals.iter().enumerate().filter(|_| deltas) {
             self.entries.push(Entry::Directional(i as u32));
             powers.push(disk * f64::from(luminance(light.irradiance)));
         }
@@ -226,6 +236,14 @@ impl Lights {
             }
             _ => 0.0,
         }
+    }
+
+    /// Every light that no ray can meet: points and parallel light, as the notes' 13.7 hints at them (no grid of
+    /// directions finds one).
+    #[inline]
+    pub fn deltas<'a>(&'a self, from: &'a Surface) -> impl Iterator<Item = LightSample> + 'a {
+        let points = self.points.iter().filter_map(|p| sample_point(from, p, 1.0));
+        points.chain(self.directionals.iter().map(|d| sample_directional(from, d, 1.0)))
     }
 
     /// One light and one direction to it. `choice`: 32 uniform bits; `u`: where on the light.

@@ -11,7 +11,7 @@ pub mod sphere;
 
 pub use directional::Directional;
 pub use environment::Environment;
-pub use lights::{Emission, End, LightSample, Lights};
+pub use lights::{Emission, End, LightSample, Lights, Sampled};
 pub use point::Point;
 pub use sphere::Sphere;
 

@@ -6,7 +6,7 @@ use super::object::{self, Object};
 use super::place::{Extent, NormalsMode, Transform, place, rename_materials};
 use super::scene_file::{LightPlan, MaterialPatch, MeshPlan, Plan};
 use super::{Loaded, Options, cancelled};
-use crate::error::{Error, Finding, Findings, Result, Severity, show_path, unknown_word_advice};
+use crate::error::{Error, Finding, Result, Severity, show_path, unknown_word_advice};
 use crate::light::{Directional, Light, Point, Sphere};
 use crate::math::{DVec3, Rgb};
 use crate::scene::{IntegratorKind, Scene};
@@ -16,10 +16,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Reads the meshes of `plan` and puts everything in its place. `input`: the file to name in findings.
-pub(super) fn assemble(plan: Plan<'_>, input: &Path, options: &Options<'_>) -> Result<Loaded> {
+pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) -> Result<Loaded> {
     let (mut files, mut objects) = read_objects(&plan.meshes, options)?;
     let mesh_files = files.paths.len();
-    let mut findings = Findings::default();
+    let mut findings = std::mem::take(&mut plan.findings);
     let mut skipped_faces = 0;
     for object in objects.iter_mut().flatten() {
         findings.append(std::mem::take(&mut object.findings));
@@ -75,7 +75,9 @@ pub(super) fn assemble(plan: Plan<'_>, input: &Path, options: &Options<'_>) -> R
     let lights = plan.lights.iter().filter_map(|light| place_light(light, origin, up, forward)).collect();
     let scene = Scene { origin, meshes, materials: palette.build(), lights, camera };
     crate::camera::Camera::new(&scene.camera, scene.origin).map_err(|e| e.at(input))?;
-    if is_dark(&scene) && matches!(plan.settings.integrator, IntegratorKind::Path | IntegratorKind::Direct) {
+    if is_dark(&scene)
+        && !matches!(plan.settings.integrator, IntegratorKind::Ao { .. } | IntegratorKind::Normals)
+    {
         findings.push(Finding {
             file: input.to_path_buf(),
             line: 0,

@@ -84,6 +84,15 @@ impl Sampler {
         Key { pixel: hash(pixel ^ self.seed), index }
     }
 
+    /// The key of node `branch` among the `nodes` into which every sample of a pixel has split. Nodes of one sample
+    /// follow each other, so that they share well-distributed points among them.
+    #[inline(always)]
+    pub fn branch(&self, key: Key, nodes: u64, branch: u32) -> Key {
+        let index = (u64::from(key.index) * nodes).wrapping_add(u64::from(branch));
+        // Beyond 2³² points a pixel goes on with those of another.
+        Key { pixel: key.pixel ^ hash((index >> 32) as u32), index: index as u32 }
+    }
+
     /// 32 uniform bits.
     #[inline(always)]
     pub fn bits(&self, key: Key, dimension: u32) -> u32 {
@@ -106,7 +115,7 @@ impl Sampler {
         let [a, b] = match &self.kind {
             Kind::Sobol(s) => s.bits2(key, dimension),
             Kind::Stratified(s) => s.bits2(key, dimension),
-            Kind::Random(r) => [r.bits(key, dimension), r.bits(key, dimension + 1)],
+            Kind::Random(r) => r.bits2(key, dimension),
         };
         [unit(a), unit(b)]
     }
@@ -116,6 +125,12 @@ impl Sampler {
 #[inline(always)]
 fn unit(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+}
+
+/// Scatters numbers of branches, so that none follows from another by a simple pattern.
+#[inline(always)]
+pub fn scatter(branch: u32) -> u32 {
+    hash(branch ^ 0x68e3_1da4)
 }
 
 /// A bijective hash of 32 bits: two rounds of multiply and xor-shift with low bias (constants as found by

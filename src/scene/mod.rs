@@ -1,9 +1,11 @@
 //! The scene as plain data: meshes, materials, lights, camera, and how to render them. Ids instead of
 //! pointers: a mesh's faces name materials by index.
 
+mod directions;
 pub mod settings;
 
-pub use settings::{BuildQuality, IntegratorKind, LightSampling, Settings};
+pub use directions::Directions;
+pub use settings::{BuildQuality, IntegratorKind, LightSampling, Quantity, Settings};
 
 pub use crate::sampler::SamplerKind;
 

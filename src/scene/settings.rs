@@ -1,9 +1,11 @@
 //! How a scene is rendered. Every field is a key of the scene file's `[film]` or `[render]`, and all of it
 //! goes into the picture's `drt` attribute.
 
+use super::Directions;
 use crate::accel::{Backend, Quality};
 use crate::error::{Result, lookup, name_in};
-use crate::film::{Aov, Filter};
+use crate::film::{Aov, Filter, PixelRule};
+use crate::quadrature::hemisphere::HemisphereRule;
 use crate::sampler::SamplerKind;
 
 /// What is computed along the rays.
@@ -20,6 +22,43 @@ pub enum IntegratorKind {
     },
     /// The shading normal as a colour, (n+1)/2.
     Normals,
+    /// The notes' distribution ray tracer (13.9): N directions at every hit, each followed.
+    Distribution {
+        /// How the directions are chosen.
+        rule: HemisphereRule,
+        /// How many, by depth.
+        directions: Directions,
+    },
+}
+
+/// What a pixel holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// The mean radiance over the pixel.
+    Radiance,
+    /// The notes' flux Φ of eq. (6) and (11): the mean times the pixel's area |Δi·Δj| on the image plane.
+    Flux,
+}
+
+impl Quantity {
+    /// Name, meaning, value.
+    pub const TABLE: &'static [(&'static str, &'static str, Quantity)] = &[
+        ("radiance", "the mean radiance over the pixel", Quantity::Radiance),
+        ("flux", "the mean times the pixel's area on the image plane, (6) and (11)", Quantity::Flux),
+    ];
+
+    /// The quantity of that name.
+    ///
+    /// # Errors
+    /// A word that is none.
+    pub fn from_name(word: &str) -> Result<Self> {
+        lookup("quantity", word, Self::TABLE)
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        name_in(&self, Self::TABLE)
+    }
 }
 
 /// Which sampling finds the lights.
@@ -54,6 +93,11 @@ impl IntegratorKind {
             IntegratorKind::Ao { distance: f32::INFINITY },
         ),
         ("normals", "shading normals as colours", IntegratorKind::Normals),
+        (
+            "distribution",
+            "the notes' distRtShade: N directions at every hit, by a rule of integration",
+            IntegratorKind::Distribution { rule: HemisphereRule::Importance, directions: Directions::USUAL },
+        ),
     ];
 
     /// The integrator of that name.
@@ -68,6 +112,7 @@ impl IntegratorKind {
             IntegratorKind::Direct => "direct",
             IntegratorKind::Ao { .. } => "ao",
             IntegratorKind::Normals => "normals",
+            IntegratorKind::Distribution { .. } => "distribution",
         }
     }
 }
@@ -129,6 +174,10 @@ pub struct Settings {
     pub crop: Option<[u32; 4]>,
     /// Pixel filter.
     pub filter: Filter,
+    /// How the points of a pixel are chosen. A grid settles [`Settings::spp`].
+    pub rule: PixelRule,
+    /// What a pixel holds.
+    pub quantity: Quantity,
     /// Layers of the first hit.
     pub aovs: Vec<Aov>,
     /// What is computed.
@@ -159,6 +208,8 @@ impl Default for Settings {
             size: [640, 480],
             crop: None,
             filter: Filter::Box { radius: 0.5 },
+            rule: PixelRule::Sampler,
+            quantity: Quantity::Radiance,
             aovs: Vec::new(),
             integrator: IntegratorKind::Path,
             lights: LightSampling::Mis,

@@ -1,19 +1,28 @@
 //! `[film]`: size, filter, crop, layers.
 
 use super::reader::{Field, Section, Shorthand};
-use crate::error::Result;
-use crate::film::{Aov, Filter};
-use crate::scene::Settings;
+use super::render::MOST_SPP;
+use crate::error::{Finding, Result, Severity};
+use crate::film::rule::Grid;
+use crate::film::{Aov, Filter, PixelRule};
+use crate::quadrature::hemisphere::Cells;
+use crate::scene::{Quantity, Settings};
 
 /// Pixels a side at most.
 pub(crate) const LARGEST_SIDE: u32 = 1 << 20;
 /// Pixels of a picture at most.
 pub(crate) const MOST_PIXELS: u64 = 1 << 28;
 
-/// Reads the section into `settings`.
-pub(super) fn read(mut film: Section<'_>, settings: &mut Settings) -> Result<()> {
-    film.not_yet_unless("quantity", "radiance")?;
-    film.not_yet_unless("rule", "sampler")?;
+/// Reads the section into `settings`; returns the key `rule` where it is there, whose grid is settled by
+/// [`settle_grid`].
+pub(super) fn read<'t>(mut film: Section<'t>, settings: &mut Settings) -> Result<Option<Field<'t>>> {
+    if let Some(quantity) = film.read("quantity", |f| f.word(&[], Quantity::from_name))? {
+        settings.quantity = quantity;
+    }
+    let rule = film.get("rule");
+    if let Some(rule) = &rule {
+        settings.rule = pixel_rule(rule.clone())?;
+    }
     if let Some(size) = film.get("size") {
         settings.size = size.integers(1..=LARGEST_SIDE)?;
         let pixels = u64::from(settings.size[0]) * u64::from(settings.size[1]);
@@ -31,7 +40,64 @@ pub(super) fn read(mut film: Section<'_>, settings: &mut Settings) -> Result<()>
     if let Some(aovs) = film.read("aov", aovs)? {
         settings.aovs = aovs;
     }
-    film.finish()
+    film.finish()?;
+    Ok(rule)
+}
+
+/// A rule by name, or with its grid. A grid that is not given has no cells yet.
+fn pixel_rule(field: Field<'_>) -> Result<PixelRule> {
+    let mut table = match field.shorthand()? {
+        Shorthand::Word(word) => return word.word(&[], PixelRule::from_name).map(|rule| rule.over(OPEN)),
+        Shorthand::Table(table) => table,
+    };
+    let rule = table.read("type", |f| f.word(&[], PixelRule::from_name))?;
+    let rule = rule.unwrap_or(Settings::default().rule);
+    if rule.grid().is_none() {
+        table.finish()?;
+        return Ok(rule);
+    }
+    let per_cell = table.read("per_cell", |f| f.integer32(1..=MOST_SPP))?.unwrap_or(0);
+    let cells = table.read("grid", |f| f.integers(1..=MOST_SPP))?.unwrap_or(OPEN.cells);
+    table.finish()?;
+    Ok(rule.over(Grid { cells, per_cell }))
+}
+
+/// A grid that follows from the samples a pixel.
+const OPEN: Grid = Grid { cells: [0, 0], per_cell: 0 };
+
+/// Makes grid and samples a pixel agree, once both sections are read: a grid that was given settles the samples,
+/// and a grid that was not is about as many cells wide as high. A finding where both were given and differ.
+pub(super) fn settle_grid(
+    rule: &Field<'_>,
+    spp: Option<&Field<'_>>,
+    file: &std::path::Path,
+    settings: &mut Settings,
+) -> Result<Option<Finding>> {
+    let Some(grid) = settings.rule.grid() else { return Ok(None) };
+    if grid.cells == OPEN.cells {
+        let per_cell = grid.per_cell.max(1);
+        if !settings.spp.is_multiple_of(per_cell) {
+            return Err(rule.error(format!(
+                "{} samples a pixel do not make whole cells of {per_cell} points",
+                settings.spp
+            )));
+        }
+        // Wider than high where it cannot be square.
+        let Cells { theta: n, phi: m } = Cells::of(settings.spp / per_cell);
+        settings.rule = settings.rule.over(Grid { cells: [m, n], ..grid });
+        return Ok(None);
+    }
+    let points = u32::try_from(grid.points()).ok().filter(|p| *p <= MOST_SPP).ok_or_else(|| {
+        rule.error(format!("{} makes {} points a pixel, more than {MOST_SPP}", rule.name(), grid.points()))
+    })?;
+    let asked = std::mem::replace(&mut settings.spp, points);
+    Ok(spp.filter(|_| asked != points).map(|spp| Finding {
+        file: file.to_path_buf(),
+        line: spp.line(),
+        kind: "spp-by-rule",
+        message: format!("{} points of {} make {points} samples a pixel, not {asked}", points, rule.name()),
+        severity: Severity::Note,
+    }))
 }
 
 /// x, y, width, height inside the picture.
@@ -89,17 +155,4 @@ fn aovs(field: Field<'_>) -> Result<Vec<Aov>> {
         }
     }
     Ok(aovs)
-}
-
-impl Section<'_> {
-    /// A key of which this version has one value only, the default.
-    fn not_yet_unless(&mut self, key: &'static str, only: &str) -> Result<()> {
-        match self.get(key) {
-            Some(field) if field.text().is_ok_and(|word| word == only) => Ok(()),
-            Some(field) => Err(field
-                .error(format!("this value of {} is not supported by this version", field.name()))
-                .advise(format!("use \"{only}\""))),
-            None => Ok(()),
-        }
-    }
 }

@@ -24,7 +24,7 @@ pub(crate) use reader::Field;
 pub(crate) use tree::Entries;
 
 use super::framing::CameraPlan;
-use crate::error::{Error, Result};
+use crate::error::{Error, Findings, Result};
 use crate::scene::Settings;
 use reader::Section;
 use std::collections::BTreeMap;
@@ -39,6 +39,8 @@ const LARGEST_FILE: u64 = 64 << 20;
 /// A scene as its file says it.
 pub(crate) struct Plan<'t> {
     pub settings: Settings,
+    /// What was noticed while reading.
+    pub findings: Findings,
     pub camera: CameraPlan,
     pub meshes: Vec<MeshPlan<'t>>,
     pub materials: BTreeMap<String, MaterialPatch<'t>>,
@@ -85,16 +87,18 @@ pub(crate) fn read<'t>(
     mut settings: Settings,
 ) -> Result<Plan<'t>> {
     let mut top = Section::top(tree, file);
-    if let Some(film) = top.get("film") {
-        film::read(film.section()?, &mut settings)?;
-    }
-    if let Some(render) = top.get("render") {
-        render::read(render.section()?, &mut settings)?;
+    let rule = top.read("film", |f| film::read(f.section()?, &mut settings))?.flatten();
+    let spp = top.read("render", |f| render::read(f.section()?, &mut settings))?.flatten();
+    let mut findings = Findings::default();
+    if let Some(rule) = &rule
+        && let Some(finding) = film::settle_grid(rule, spp.as_ref(), file, &mut settings)?
+    {
+        findings.push(finding);
     }
     let camera = top.read("camera", |f| camera::read(f.section()?))?.unwrap_or_default();
     let meshes = top.read("mesh", |f| mesh::read_all(&f, folder))?.unwrap_or_default();
     let materials = top.read("materials", |f| material::read_all(&f))?.unwrap_or_default();
     let lights = top.read("light", |f| light::read_all(&f))?.unwrap_or_default();
     top.finish()?;
-    Ok(Plan { settings, camera, meshes, materials, lights })
+    Ok(Plan { settings, findings, camera, meshes, materials, lights })
 }

@@ -1,0 +1,220 @@
+//! Pixel rules: where in the filter's support the points of a pixel lie, and what each counts (notes 13.4, 13.6–13.8).
+//!
+//! A pixel is the integral of radiance times the filter h over its support, over ∫h: eq. (6) and (11) for the
+//! box. N points are averaged with weights whose mean tends to 1: for points placed without regard to h the
+//! weight is h(x)·A/∫h, A the support's area; for points drawn from h it is 1.
+
+use super::filter::FilterSampler;
+use crate::error::{Result, lookup};
+
+/// How the points of a pixel are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PixelRule {
+    /// Points of the picture's sampler, drawn from the filter: the least noise.
+    Sampler,
+    /// Independent random points of the support, eq. (10) and (11).
+    Random,
+    /// Independent random points drawn from the filter, eq. (20) and the aside of 13.1.
+    Importance,
+    /// A grid of midpoints, eq. (14).
+    Uniform(Grid),
+    /// The grid of left and upper edges, eq. (12)–(14).
+    UniformCorner(Grid),
+    /// Random points within equal cells, 13.6.
+    Stratified(Grid),
+    /// Cells of equal weight under the filter, eq. (19): their middles, or random points in them.
+    Nonuniform(Grid),
+}
+
+/// M×N cells of the support with some points in each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grid {
+    /// M cells to the right, N cells down.
+    pub cells: [u32; 2],
+    /// J: random points in each cell; for points that are fixed, how often each is used (0 counts as 1, and
+    /// leaves the points of [`PixelRule::Nonuniform`] fixed).
+    pub per_cell: u32,
+}
+
+impl Grid {
+    /// M·N·J points.
+    pub fn points(&self) -> u64 {
+        u64::from(self.cells[0]) * u64::from(self.cells[1]) * u64::from(self.per_cell.max(1))
+    }
+}
+
+/// Where a rule's points get their numbers from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Numbers {
+    /// From the picture's sampler.
+    Sampler,
+    /// Independent random numbers.
+    Random,
+    /// It needs none.
+    None,
+}
+
+impl PixelRule {
+    const CELL: Grid = Grid { cells: [1, 1], per_cell: 0 };
+
+    /// Name, meaning, value with a grid of one cell.
+    pub const TABLE: &'static [(&'static str, &'static str, PixelRule)] = &[
+        ("sampler", "the sampler's points, drawn from the filter", PixelRule::Sampler),
+        ("random", "independent random points (11)", PixelRule::Random),
+        ("importance", "random points drawn from the filter (20)", PixelRule::Importance),
+        ("uniform", "a grid of midpoints (14)", PixelRule::Uniform(Self::CELL)),
+        ("uniform-corner", "the grid of left edges of (12)-(14)", PixelRule::UniformCorner(Self::CELL)),
+        ("stratified", "random points within equal cells (13.6)", PixelRule::Stratified(Self::CELL)),
+        ("nonuniform", "cells of equal weight under the filter (19)", PixelRule::Nonuniform(Self::CELL)),
+    ];
+
+    /// The rule of that name.
+    ///
+    /// # Errors
+    /// A word that is none.
+    pub fn from_name(word: &str) -> Result<PixelRule> {
+        lookup("pixel rule", word, Self::TABLE)
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &'static str {
+        match self {
+            PixelRule::Sampler => "sampler",
+            PixelRule::Random => "random",
+            PixelRule::Importance => "importance",
+            PixelRule::Uniform(_) => "uniform",
+            PixelRule::UniformCorner(_) => "uniform-corner",
+            PixelRule::Stratified(_) => "stratified",
+            PixelRule::Nonuniform(_) => "nonuniform",
+        }
+    }
+
+    /// The grid, for the rules that have one. It settles the number of points.
+    pub fn grid(&self) -> Option<Grid> {
+        match *self {
+            PixelRule::Sampler | PixelRule::Random | PixelRule::Importance => None,
+            PixelRule::Uniform(g)
+            | PixelRule::UniformCorner(g)
+            | PixelRule::Stratified(g)
+            | PixelRule::Nonuniform(g) => Some(g),
+        }
+    }
+
+    /// The same rule over another grid; a rule without a grid stays as it is.
+    pub fn over(self, grid: Grid) -> PixelRule {
+        match self {
+            PixelRule::Uniform(_) => PixelRule::Uniform(grid),
+            PixelRule::UniformCorner(_) => PixelRule::UniformCorner(grid),
+            PixelRule::Stratified(_) => PixelRule::Stratified(grid),
+            PixelRule::Nonuniform(_) => PixelRule::Nonuniform(grid),
+            other => other,
+        }
+    }
+
+    /// Where its points get their numbers from.
+    #[inline(always)]
+    pub fn numbers(&self) -> Numbers {
+        match self {
+            PixelRule::Sampler => Numbers::Sampler,
+            PixelRule::Random | PixelRule::Importance | PixelRule::Stratified(_) => Numbers::Random,
+            PixelRule::Nonuniform(g) if g.per_cell > 0 => Numbers::Random,
+            PixelRule::Uniform(_) | PixelRule::UniformCorner(_) | PixelRule::Nonuniform(_) => Numbers::None,
+        }
+    }
+}
+
+/// A point of the support and what a sample there counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelPoint {
+    /// From the pixel's centre, to the right and down, in pixels.
+    pub offset: [f32; 2],
+    /// Weight; the mean over many points is 1.
+    pub weight: f32,
+}
+
+/// The points of a rule under a filter.
+#[derive(Clone, Debug)]
+pub struct PixelPoints {
+    rule: PixelRule,
+    filter: FilterSampler,
+}
+
+impl PixelPoints {
+    /// Points of `rule` over the support of `filter`.
+    pub fn new(rule: PixelRule, filter: FilterSampler) -> PixelPoints {
+        PixelPoints { rule, filter }
+    }
+
+    /// Where the numbers for [`PixelPoints::point`] come from.
+    #[inline(always)]
+    pub fn numbers(&self) -> Numbers {
+        self.rule.numbers()
+    }
+
+    /// True when weights have signs, so that pixels divide by their sum.
+    pub fn is_signed(&self) -> bool {
+        self.filter.is_signed()
+    }
+
+    /// The point of sample `index`; `u` in [0, 1)² places it where the rule leaves a choice.
+    #[inline(always)]
+    pub fn point(&self, index: u32, u: [f32; 2]) -> PixelPoint {
+        match self.rule {
+            PixelRule::Sampler | PixelRule::Importance => {
+                let offset = u.map(|u| self.filter.offset(u));
+                let sign = |x| if self.filter.is_signed() { self.filter.weight(x) } else { 1.0 };
+                PixelPoint { offset, weight: sign(offset[0]) * sign(offset[1]) }
+            }
+            PixelRule::Random => self.weighed(u),
+            PixelRule::Uniform(grid) => self.weighed(within(grid, index, [0.5, 0.5])),
+            PixelRule::UniformCorner(grid) => self.weighed(within(grid, index, [0.0, 0.0])),
+            PixelRule::Stratified(grid) => self.weighed(within(grid, index, u)),
+            PixelRule::Nonuniform(grid) => {
+                let u = if grid.per_cell == 0 { [0.5, 0.5] } else { u };
+                self.in_cell_of_equal_weight(grid, index, u)
+            }
+        }
+    }
+
+    /// The point at `u` of the support, weighted with h·A/∫h.
+    #[inline]
+    fn weighed(&self, u: [f32; 2]) -> PixelPoint {
+        let offset = u.map(|u| (2.0 * u - 1.0) * self.filter.radius());
+        PixelPoint { offset, weight: self.filter.density(offset[0]) * self.filter.density(offset[1]) }
+    }
+
+    /// Eq. (19): the point at `u` of a cell between quantiles of the filter, whose size d_i weighs it.
+    #[inline]
+    fn in_cell_of_equal_weight(&self, grid: Grid, index: u32, u: [f32; 2]) -> PixelPoint {
+        let cell = cell(grid, index);
+        let mut point = PixelPoint { offset: [0.0; 2], weight: 1.0 };
+        for axis in 0..2 {
+            let n = grid.cells[axis] as f32;
+            let edge = |i: u32| self.filter.offset(i as f32 / n);
+            let (a, b) = (edge(cell[axis]), edge(cell[axis] + 1));
+            let x = a + (b - a) * u[axis];
+            point.offset[axis] = x;
+            // d_i over the size that equal cells would have.
+            point.weight *= self.filter.density(x) * ((b - a) * n / (2.0 * self.filter.radius()));
+        }
+        point
+    }
+}
+
+/// The cell of sample `index`: row by row, and again from the first for every further point of the cells.
+#[inline(always)]
+fn cell(grid: Grid, index: u32) -> [u32; 2] {
+    let [m, n] = grid.cells;
+    [index % m, index / m % n]
+}
+
+/// Eq. (12) and (13): the point at `u` of a cell, in [0, 1)² of the support.
+#[inline(always)]
+fn within(grid: Grid, index: u32, u: [f32; 2]) -> [f32; 2] {
+    let cell = cell(grid, index);
+    [(cell[0] as f32 + u[0]) / grid.cells[0] as f32, (cell[1] as f32 + u[1]) / grid.cells[1] as f32]
+}
+
+#[cfg(test)]
+#[path = "rule_tests.rs"]
+mod tests;

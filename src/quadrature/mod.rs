@@ -1,0 +1,3 @@
+//! The notes' rules of integration, each formula in one place.
+
+pub mod hemisphere;
