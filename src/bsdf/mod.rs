@@ -14,12 +14,14 @@ pub mod fresnel;
 pub mod ggx;
 pub mod mirror;
 pub mod phong;
+pub mod translucent;
 
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use mirror::Mirror;
 pub use phong::Phong;
+pub use translucent::Translucent;
 
 use crate::math::{Rgb, Vec3};
 
@@ -90,6 +92,8 @@ pub enum Bsdf {
     Phong(Phong),
     /// Clear glass or water.
     Dielectric(Dielectric),
+    /// A thin sheet that scatters to both sides.
+    Translucent(Translucent),
 }
 
 impl Bsdf {
@@ -100,6 +104,7 @@ impl Bsdf {
         ("conductor", "a metal, smooth or rough (GGX)"),
         ("phong", "a diffuse base with Phong's highlight"),
         ("dielectric", "clear glass or water, smooth"),
+        ("translucent", "a thin sheet that scatters light to both sides"),
     ];
 
     /// The model's place in [`Bsdf::NAMES`]; waves shade lanes of one kind together.
@@ -111,6 +116,7 @@ impl Bsdf {
             Bsdf::Conductor(_) => 2,
             Bsdf::Phong(_) => 3,
             Bsdf::Dielectric(_) => 4,
+            Bsdf::Translucent(_) => 5,
         }
     }
 
@@ -122,6 +128,7 @@ impl Bsdf {
             Bsdf::Conductor(m) => m.albedo(),
             Bsdf::Phong(m) => m.albedo(),
             Bsdf::Dielectric(m) => m.tint,
+            Bsdf::Translucent(m) => m.albedo(),
         }
     }
 
@@ -130,7 +137,7 @@ impl Bsdf {
         match self {
             Bsdf::Diffuse(_) | Bsdf::Mirror(_) => false,
             Bsdf::Conductor(m) => m.compensates(),
-            Bsdf::Phong(_) | Bsdf::Dielectric(_) => true,
+            Bsdf::Phong(_) | Bsdf::Dielectric(_) | Bsdf::Translucent(_) => true,
         }
     }
 }

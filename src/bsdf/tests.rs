@@ -22,6 +22,8 @@ fn models() -> Vec<(&'static str, Box<dyn Scatter>)> {
         ("phong", phong(0.0, 1.0, 5.0)),
         ("phong", phong(0.9, 0.6, 0.0)),
         ("dielectric", Box::new(Dielectric { ior: 1.5, tint: Rgb::ONE })),
+        ("translucent", Box::new(Translucent::new(Rgb::splat(0.3), Rgb::splat(0.6)))),
+        ("translucent", Box::new(Translucent::new(Rgb::ZERO, Rgb::ONE))),
     ]
 }
 
@@ -43,12 +45,12 @@ fn every_registered_model_is_tested() {
     }
 }
 
-/// Rows of cos θ and columns of φ: cells of equal solid angle of the upper hemisphere.
-const ROWS: usize = 24;
+/// Rows of cos θ and columns of φ: cells of equal solid angle of the sphere.
+const ROWS: usize = 48;
 const COLUMNS: usize = 32;
 
 fn cell(wi: Vec3) -> usize {
-    let row = ((wi.z * ROWS as f32) as usize).min(ROWS - 1);
+    let row = (((wi.z + 1.0) * 0.5 * ROWS as f32) as usize).min(ROWS - 1);
     let turn = (f64::from(wi.y).atan2(f64::from(wi.x)) / TAU).rem_euclid(1.0);
     row * COLUMNS + ((turn * COLUMNS as f64) as usize).min(COLUMNS - 1)
 }
@@ -61,14 +63,14 @@ fn masses(model: &dyn Scatter, view: &View) -> Vec<f64> {
         let (row, column) = (i / COLUMNS, i % COLUMNS);
         for a in 0..fine {
             for b in 0..fine {
-                let z = (row as f64 + (a as f64 + 0.5) / f64::from(fine)) / ROWS as f64;
+                let z = 2.0 * (row as f64 + (a as f64 + 0.5) / f64::from(fine)) / ROWS as f64 - 1.0;
                 let phi = TAU * (column as f64 + (b as f64 + 0.5) / f64::from(fine)) / COLUMNS as f64;
                 let r = (1.0 - z * z).sqrt();
                 let wi = Vec3::new((r * phi.cos()) as f32, (r * phi.sin()) as f32, z as f32);
                 *mass += f64::from(model.eval(view, wi).1);
             }
         }
-        *mass *= TAU / (ROWS * COLUMNS) as f64 / f64::from(fine * fine);
+        *mass *= 2.0 * TAU / (ROWS * COLUMNS) as f64 / f64::from(fine * fine);
     }
     masses
 }
@@ -120,7 +122,8 @@ fn samples_follow_the_density() {
             for i in 0..samples {
                 let (u, lobe) = random(i);
                 if let Some(s) = model.sample(&view, u, lobe) {
-                    assert!(s.pdf > 0.0 && s.wi.z > 0.0, "{name}: a sample where the density is zero");
+                    let sound = s.pdf > 0.0 && (s.wi.z > 0.0 || model.transmits());
+                    assert!(sound, "{name}: a sample where the density is zero");
                     counts[cell(s.wi)] += 1;
                 }
             }
@@ -145,6 +148,27 @@ fn weights_are_f_cos_over_pdf() {
                 assert!((pdf / s.pdf - 1.0).abs() < 1e-3, "{name}: {pdf} and {}", s.pdf);
                 assert!((s.weight * s.pdf - f_cos).length() <= 1e-3 * f_cos.length() + 1e-6, "{name}");
                 assert!((s.wi.length() - 1.0).abs() < 1e-5, "{name}");
+            }
+        }
+    }
+}
+
+/// Integrators that follow every delta see what those see that choose one by chance.
+#[test]
+fn deltas_are_the_mean_of_samples() {
+    for (name, model) in models() {
+        for degrees in [0.0, 40.0, 80.0] {
+            let view = view(degrees);
+            let deltas: Vec<Delta> = model.deltas(&view).into_iter().flatten().collect();
+            assert_eq!(!deltas.is_empty(), model.is_delta(), "{name}");
+            for delta in &deltas {
+                let n = 1 << 16;
+                let one = |i: u32| {
+                    let sample = model.sample(&view, [0.5; 2], (i as f32 + 0.5) / n as f32).unwrap();
+                    if sample.wi == delta.wi { f64::from(sample.weight.y) } else { 0.0 }
+                };
+                let mean = (0..n).map(one).sum::<f64>() / f64::from(n);
+                assert!((mean - f64::from(delta.weight.y)).abs() < 1e-4, "{name} at {degrees}°: {mean}");
             }
         }
     }
@@ -192,6 +216,9 @@ fn light_may_go_back_the_way_it_came() {
             let a_dir = crate::math::warp::cosine_hemisphere([a, b]);
             let b_dir = crate::math::warp::cosine_hemisphere([c, a]);
             let f = |wo: Vec3, wi: Vec3| model.eval(&View { wo, outside: true }, wi).0 / wi.z;
+            // Through the sheet: seen from the other side the local z turns round.
+            let through = |wo: Vec3, wi: Vec3| model.eval(&View { wo, outside: true }, -wi).0 / wi.z;
+            assert_eq!(through(a_dir, a_dir) != Rgb::ZERO, model.transmits(), "{name}");
             let (there, back) = (f(a_dir, b_dir), f(b_dir, a_dir));
             assert!((there - back).length() <= 2e-3 * there.length() + 1e-6, "{name}: {there} and {back}");
         }

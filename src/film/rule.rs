@@ -160,20 +160,25 @@ impl PixelPoints {
     #[inline(always)]
     pub fn point(&self, index: u32, u: [f32; 2]) -> PixelPoint {
         match self.rule {
-            PixelRule::Sampler | PixelRule::Importance => {
-                let offset = u.map(|u| self.filter.offset(u));
-                let sign = |x| if self.filter.is_signed() { self.filter.weight(x) } else { 1.0 };
-                PixelPoint { offset, weight: sign(offset[0]) * sign(offset[1]) }
-            }
+            PixelRule::Sampler | PixelRule::Importance => self.drawn(u),
             PixelRule::Random => self.weighed(u),
             PixelRule::Uniform(grid) => self.weighed(within(grid, index, [0.5, 0.5])),
             PixelRule::UniformCorner(grid) => self.weighed(within(grid, index, [0.0, 0.0])),
             PixelRule::Stratified(grid) => self.weighed(within(grid, index, u)),
             PixelRule::Nonuniform(grid) => {
+                // Regions of equal weight d_i under the filter, eq. (19): equal steps of what it is drawn from.
                 let u = if grid.per_cell == 0 { [0.5, 0.5] } else { u };
-                self.in_cell_of_equal_weight(grid, index, u)
+                self.drawn(within(grid, index, u))
             }
         }
+    }
+
+    /// The point at `u` drawn from the filter, which counts 1, or −1 where the filter is negative.
+    #[inline(always)]
+    fn drawn(&self, u: [f32; 2]) -> PixelPoint {
+        let offset = u.map(|u| self.filter.offset(u));
+        let sign = |x| if self.filter.is_signed() { self.filter.weight(x) } else { 1.0 };
+        PixelPoint { offset, weight: sign(offset[0]) * sign(offset[1]) }
     }
 
     /// The point at `u` of the support, weighted with h·A/∫h.
@@ -181,23 +186,6 @@ impl PixelPoints {
     fn weighed(&self, u: [f32; 2]) -> PixelPoint {
         let offset = u.map(|u| (2.0 * u - 1.0) * self.filter.radius());
         PixelPoint { offset, weight: self.filter.density(offset[0]) * self.filter.density(offset[1]) }
-    }
-
-    /// Eq. (19): the point at `u` of a cell between quantiles of the filter, whose size d_i weighs it.
-    #[inline]
-    fn in_cell_of_equal_weight(&self, grid: Grid, index: u32, u: [f32; 2]) -> PixelPoint {
-        let cell = cell(grid, index);
-        let mut point = PixelPoint { offset: [0.0; 2], weight: 1.0 };
-        for axis in 0..2 {
-            let n = grid.cells[axis] as f32;
-            let edge = |i: u32| self.filter.offset(i as f32 / n);
-            let (a, b) = (edge(cell[axis]), edge(cell[axis] + 1));
-            let x = a + (b - a) * u[axis];
-            point.offset[axis] = x;
-            // d_i over the size that equal cells would have.
-            point.weight *= self.filter.density(x) * ((b - a) * n / (2.0 * self.filter.radius()));
-        }
-        point
     }
 }
 

@@ -315,6 +315,7 @@ impl Wave {
         shade_kind!(3, Bsdf::Conductor);
         shade_kind!(4, Bsdf::Phong);
         shade_kind!(5, Bsdf::Dielectric);
+        shade_kind!(6, Bsdf::Translucent);
         self.groups = groups;
     }
 

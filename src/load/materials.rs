@@ -2,7 +2,7 @@
 //! `[materials.NAME]` changes key by key before it is built.
 
 use crate::bsdf::fresnel::Reflectance;
-use crate::bsdf::{Bsdf, Conductor, Dielectric, Diffuse, Material, Mirror, Phong};
+use crate::bsdf::{Bsdf, Conductor, Dielectric, Diffuse, Material, Mirror, Phong, Translucent};
 use crate::math::Rgb;
 
 /// A material before it is built.
@@ -26,6 +26,7 @@ pub(crate) enum Model {
     Conductor { reflectance: Reflectance, alpha: f32, compensate: bool },
     Phong { diffuse: Rgb, specular: Rgb, exponent: f32 },
     Dielectric { ior: f32, tint: Rgb },
+    Translucent { reflectance: Rgb, transmittance: Rgb },
 }
 
 impl Model {
@@ -37,6 +38,7 @@ impl Model {
             Model::Conductor { .. } => "conductor",
             Model::Phong { .. } => "phong",
             Model::Dielectric { .. } => "dielectric",
+            Model::Translucent { .. } => "translucent",
         }
     }
 }
@@ -60,6 +62,9 @@ impl MaterialSpec {
                 Bsdf::Phong(Phong::new(diffuse, specular, exponent))
             }
             Model::Dielectric { ior, tint } => Bsdf::Dielectric(Dielectric { ior, tint }),
+            Model::Translucent { reflectance, transmittance } => {
+                Bsdf::Translucent(Translucent::new(reflectance, transmittance))
+            }
         };
         Material { name: self.name, bsdf, emission: self.emission, two_sided: self.two_sided }
     }

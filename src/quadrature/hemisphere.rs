@@ -303,3 +303,7 @@ fn direction(theta: f64, phi: f64) -> DVec3 {
     let (sin_theta, cos_theta) = (libm::sin(theta), libm::cos(theta));
     DVec3::new(sin_theta * libm::sin(phi), sin_theta * libm::cos(phi), cos_theta)
 }
+
+#[cfg(test)]
+#[path = "hemisphere_tests.rs"]
+mod tests;

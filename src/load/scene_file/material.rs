@@ -32,6 +32,7 @@ enum Change {
     Exponent(f32),
     Ior(f32),
     Tint(Rgb),
+    Transmittance(Rgb),
 }
 
 /// Reads every material by name.
@@ -41,7 +42,7 @@ pub(super) fn read_all<'t>(field: &Field<'t>) -> Result<BTreeMap<String, Materia
 }
 
 fn read(field: Field<'_>) -> Result<MaterialPatch<'_>> {
-    const LATER: &[&str] = &["principled", "translucent"];
+    const LATER: &[&str] = &["principled"];
     let mut table = field.section()?;
     let model = table.read("type", |f| f.word(LATER, usual))?;
     table.not_yet(&["opacity", "normal_map", "bump", "base_color", "metallic"])?;
@@ -55,6 +56,7 @@ fn read(field: Field<'_>) -> Result<MaterialPatch<'_>> {
         change(&mut table, "exponent", |f| f.number(0.0..=1e6).map(|n| Change::Exponent(n as f32)))?,
         change(&mut table, "ior", |f| f.number(0.1..=10.0).map(|n| Change::Ior(n as f32)))?,
         change(&mut table, "tint", |f| f.color(SHARE).map(Change::Tint))?,
+        change(&mut table, "transmittance", |f| f.color(SHARE).map(Change::Transmittance))?,
     ];
     let emission = table.read("emission", |f| f.color(LIGHT))?;
     let two_sided = table.read("two_sided", |f| f.bool())?;
@@ -106,6 +108,9 @@ fn usual(name: &str) -> Result<Model> {
         }),
         "phong" => Ok(Model::Phong { diffuse: Rgb::splat(0.5), specular: Rgb::splat(0.25), exponent: 32.0 }),
         "dielectric" => Ok(Model::Dielectric { ior: 1.5, tint: Rgb::ONE }),
+        "translucent" => {
+            Ok(Model::Translucent { reflectance: Rgb::splat(0.4), transmittance: Rgb::splat(0.4) })
+        }
         _ => {
             let known: Vec<&str> = Bsdf::NAMES.iter().map(|n| n.0).collect();
             Err(Error::new(format!("unknown material type \"{name}\""))
@@ -173,9 +178,13 @@ impl MaterialPatch<'_> {
 /// Changes one number of a model; false where the model has no such number.
 fn set(model: &mut Model, change: &Change) -> bool {
     match (change, model) {
-        (Change::Reflectance(r), Model::Diffuse { reflectance } | Model::Mirror { reflectance }) => {
-            *reflectance = *r;
-        }
+        (
+            Change::Reflectance(r),
+            Model::Diffuse { reflectance }
+            | Model::Mirror { reflectance }
+            | Model::Translucent { reflectance, .. },
+        ) => *reflectance = *r,
+        (Change::Transmittance(t), Model::Translucent { transmittance, .. }) => *transmittance = *t,
         (Change::Reflectance(r), Model::Conductor { reflectance, .. }) => {
             *reflectance = Reflectance::Constant(*r);
         }
