@@ -186,7 +186,7 @@ pub struct Cells {
 impl Cells {
     /// About as many cells along θ as along φ, `count` in all; a prime count gives a single ring.
     pub fn of(count: u32) -> Cells {
-        let theta = (1..=count.isqrt()).rev().find(|m| count % m == 0).unwrap_or(1);
+        let theta = (1..=count.isqrt()).rev().find(|m| count.is_multiple_of(*m)).unwrap_or(1);
         Cells { theta, phi: count.max(1) / theta }
     }
 

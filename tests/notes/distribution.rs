@@ -4,8 +4,11 @@ use crate::harness::{Statistics, cube, obj, on_every_backend, sphere, stage};
 use crate::hemisphere::rule;
 use drt::accel::Backend;
 
-/// Five scenes: name, scene file, meshes.
-fn scenes() -> Vec<(&'static str, String, Vec<(&'static str, String)>)> {
+/// Name, scene file, meshes.
+type Case = (&'static str, String, Vec<(&'static str, String)>);
+
+/// Five scenes.
+fn scenes() -> Vec<Case> {
     let look = "[camera]\nposition = [1.5, 1.2, 3.2]\nlook_at = [0, 0.2, 0]\nfov = 45\n[film]\nsize = [6, 6]\n[render]\nmax_depth = 4\n";
     let inside = "[camera]\nposition = [0.13, 0.21, 0.6]\nlook_at = [0, -0.2, -1]\nfov = 70\n[film]\nsize = [6, 6]\n[render]\nmax_depth = 4\n";
     let body = |mesh: &str, material: &str| {
