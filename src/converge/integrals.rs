@@ -41,7 +41,7 @@ pub const INTEGRALS: &[Integral] = &[
     },
     Integral {
         name: "step",
-        meaning: "∫ f dx over [0, 2]: f = 1, from 2/3 on 3",
+        meaning: "∫ f dx over [0, 2]: f = 1 up to x = 2/3, then 3",
         exact: 14.0 / 3.0,
         rules: || {
             // No interval of a power of two ends at D/3: the step always lies inside one, at a third of it.

@@ -161,17 +161,25 @@ impl Series {
     }
 }
 
+/// Refuses `names` (separated by commas) of rules that are not `known`.
+///
+/// # Errors
+/// The first name that no rule has.
+pub fn check_names(names: &str, known: &[&str]) -> Result<()> {
+    match names.split(',').map(str::trim).find(|name| !known.contains(name)) {
+        Some(wrong) => {
+            Err(Error::usage(format!("unknown rule \"{wrong}\"")).advise(unknown_word_advice(wrong, known)))
+        }
+        None => Ok(()),
+    }
+}
+
 /// Keeps those `rules` that `names` (separated by commas) say, in the order of the table.
 ///
 /// # Errors
-/// A name that no rule has.
+/// As [`check_names`].
 pub fn choose<'a>(rules: Vec<Rule<'a>>, names: &str) -> Result<Vec<Rule<'a>>> {
-    let known: Vec<&str> = rules.iter().map(|rule| rule.name).collect();
-    let names: Vec<&str> = names.split(',').map(str::trim).collect();
-    if let Some(wrong) = names.iter().find(|name| !known.contains(name)) {
-        return Err(
-            Error::usage(format!("unknown rule \"{wrong}\"")).advise(unknown_word_advice(wrong, &known))
-        );
-    }
-    Ok(rules.into_iter().filter(|rule| names.contains(&rule.name)).collect())
+    check_names(names, &rules.iter().map(|rule| rule.name).collect::<Vec<_>>())?;
+    let is_meant = |rule: &Rule<'_>| names.split(',').any(|name| name.trim() == rule.name);
+    Ok(rules.into_iter().filter(is_meant).collect())
 }

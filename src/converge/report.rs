@@ -28,7 +28,7 @@ pub fn format_of(path: &Path) -> Result<Encode> {
             "" => "the output's name has no extension to tell its format".to_string(),
             other => format!("unknown format \".{other}\" of a study"),
         };
-        Error::usage(message).at(path).advise(unknown_word_advice(&extension, &known))
+        Error::new(message).at(path).advise(unknown_word_advice(&extension, &known))
     })
 }
 

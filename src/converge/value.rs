@@ -38,6 +38,11 @@ impl Value {
         Value(image.rgb_pixels().iter().flatten().map(|&v| f64::from(v)).collect())
     }
 
+    /// Whether it can be compared at all.
+    pub fn is_finite(&self) -> bool {
+        self.0.iter().all(|v| v.is_finite())
+    }
+
     /// The mean of two of the same kind.
     pub fn mean_with(&self, other: &Value) -> Value {
         Value(self.0.iter().zip(&other.0).map(|(a, b)| 0.5 * (a + b)).collect())

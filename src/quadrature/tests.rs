@@ -3,6 +3,11 @@ use crate::converge::fit;
 
 const D: f64 = 2.0;
 
+/// A rule as the tests see it: N and the numbers to use.
+type Rule<'a> = &'a dyn Fn(usize, &mut dyn FnMut() -> f64) -> Estimate;
+/// An integrand, its integral, and a density.
+type Case<'a> = (&'a dyn Fn(f64) -> f64, f64, &'a dyn Density);
+
 fn smooth(x: f64) -> f64 {
     libm::exp(-x)
 }
@@ -27,7 +32,7 @@ fn peak_exact() -> f64 {
 }
 
 /// Root mean square error of `rule` with `n` points over `seeds` seeds.
-fn rmse(exact: f64, n: usize, seeds: u64, rule: &dyn Fn(usize, &mut dyn FnMut() -> f64) -> Estimate) -> f64 {
+fn rmse(exact: f64, n: usize, seeds: u64, rule: Rule<'_>) -> f64 {
     let square = |seed| {
         let error = rule(n, &mut numbers(seed, n as u64)).value - exact;
         error * error
@@ -36,7 +41,7 @@ fn rmse(exact: f64, n: usize, seeds: u64, rule: &dyn Fn(usize, &mut dyn FnMut() 
 }
 
 /// The slope of log error against log N over N = 4 … 1024.
-fn slope(exact: f64, seeds: u64, rule: &dyn Fn(usize, &mut dyn FnMut() -> f64) -> Estimate) -> f64 {
+fn slope(exact: f64, seeds: u64, rule: Rule<'_>) -> f64 {
     let points = (1..=5).map(|k| 1 << (2 * k)).map(|n| (n as f64, rmse(exact, n, seeds, rule)));
     fit::slope(&points.collect::<Vec<_>>()).expect("a slope").value
 }
@@ -99,7 +104,7 @@ fn a_gaussian_wins_on_a_peak_and_loses_on_a_constant() {
 #[test]
 fn the_perfect_density_has_no_variance() {
     let steps = [(0.0, 1.0), (D / 3.0, 1.0), (D / 3.0, 3.0), (D, 3.0)];
-    let cases: [(&dyn Fn(f64) -> f64, f64, &dyn Density); 3] = [
+    let cases: [Case<'_>; 3] = [
         (&smooth, SMOOTH, &Exponential::new(D, 1.0).unwrap()),
         (&step, STEP, &PiecewiseLinear::new(&steps).unwrap()),
         (&peak, peak_exact(), &Gaussian::new(D, PEAK_AT, PEAK_SIGMA).unwrap()),
@@ -129,7 +134,7 @@ fn a_uniform_density_is_simple_monte_carlo_bit_for_bit() {
 #[test]
 fn standard_errors_are_true() {
     let regions = Regions::from_sizes(&[0.2, 0.3, 0.5, 1.0]).unwrap();
-    let rules: [&dyn Fn(usize, &mut dyn FnMut() -> f64) -> Estimate; 4] = [
+    let rules: [Rule<'_>; 4] = [
         &|n, r| monte_carlo(smooth, D, n, r).unwrap(),
         &|n, r| importance(smooth, &Gaussian::new(D, 0.5, 1.0).unwrap(), n, r).unwrap(),
         &|n, r| stratified(smooth, D, n / 4, 4, r).unwrap(),

@@ -1,6 +1,6 @@
 //! The figure: error against N on log axes, as SVG.
 //!
-//! Lengths are in points of the finished figure; [`FINE`] backend units make one, since the backend knows whole
+//! Lengths are in points of the finished figure; ten of the backend's units make one, since the backend knows whole
 //! numbers only. Nobody can measure text here (fonts are the viewer's), so every place for text has room to spare.
 
 mod axis;
@@ -68,21 +68,25 @@ fn draw(study: &Study, text: &mut String) -> Drawn {
     let place = at(24, (FRAME.1 + FRAME.3) / 2);
     area.draw_text("root mean square error", &turned.color(&INK).pos(centred), place)?;
     legend::draw(&area, study, &styles)?;
-    words(&area, study)?;
+    words(&area, study, &y)?;
     area.present()
 }
 
 /// Title above, the reference and what was fitted below.
-fn words(area: &Area<'_>, study: &Study) -> Drawn {
+fn words(area: &Area<'_>, study: &Study, y: &Axis) -> Drawn {
     let bold = ("sans-serif", size_of(18), FontStyle::Bold).into_font();
-    area.draw_text(&study.labels.title, &TextStyle::from(bold).color(&INK), at(FRAME.0, 14))?;
-    area.draw_text(&study.labels.subtitle, &font(14, FAINT_INK), at(FRAME.0, 39))?;
-    let mut lines = vec![format!("Reference: {}.", study.reference.description)];
-    if study.reference.rmse > 0.0 {
-        lines.push(format!(
-            "Its own error is about {:.1e} (dotted); hollow points, less than twice above it, are not fitted.",
-            study.reference.rmse
-        ));
+    area.draw_text(&short(&study.labels.title, 60), &TextStyle::from(bold).color(&INK), at(FRAME.0, 14))?;
+    area.draw_text(&short(&study.labels.subtitle, 100), &font(14, FAINT_INK), at(FRAME.0, 39))?;
+    let mut lines = vec![format!("Reference: {}.", short(&study.reference.description, 110))];
+    let own = study.reference.rmse;
+    if own > 0.0 {
+        let points = study.series.iter().flat_map(|series| &series.points);
+        let dotted = if libm::log10(own) > y.low { " (dotted)" } else { "" };
+        let hollow = match points.filter(|point| !point.is_exact && !point.is_fitted).count() {
+            0 => "",
+            _ => "; hollow points, less than twice above it, are not fitted",
+        };
+        lines.push(format!("Its own error is about {own:.1e}{dotted}{hollow}."));
     }
     let runs = match study.plan.seeds {
         1 => "one run a point".to_string(),
@@ -134,6 +138,14 @@ fn guides(chart: &mut Chart<'_>, area: &Area<'_>, study: &Study, x: &Axis, y: &A
         chart.draw_series(DashedLineSeries::new(dots, FINE as u32, 3 * FINE as u32, thin))?;
     }
     Ok(())
+}
+
+/// `text`, cut where it would leave the figure.
+fn short(text: &str, most: usize) -> String {
+    match text.char_indices().nth(most) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_string(),
+    }
 }
 
 /// A place in backend units.

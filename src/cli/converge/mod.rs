@@ -1,5 +1,7 @@
 //! `drt converge INPUT`: error against the number of samples for every rule, as a figure, CSV, JSON and a table.
 
+mod scene;
+
 use super::console::{Console, Verbosity, write_stdout};
 use super::progress::{Phase, Style, duration};
 use super::render::{at_flag, threads};
@@ -8,13 +10,11 @@ use super::{Failure, machine, paths};
 use clap::{ArgAction, Args};
 use drt::converge::integrals::Integral;
 use drt::converge::report::{self, Encode};
-use drt::converge::scene::{self, Stage, Subject};
-use drt::converge::{self, Hooks, Labels, Plan, Reference, Rule, Study, Value};
-use drt::error::{Error, Result, one_line, show_path};
-use drt::load::{self, Loaded, Override, picture};
+use drt::converge::scene::{MAX_N, Subject};
+use drt::converge::{self, Hooks, Labels, Plan, Reference, Rule, Study};
+use drt::error::{Error, Result, show_path};
 use drt::output;
-use drt::render::{self, Progress};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// The flags of `drt converge`.
@@ -77,9 +77,6 @@ pub struct ConvergeArgs {
     pub quiet: bool,
 }
 
-/// The longest side of a scene's picture, where nothing is said of its size: some 9000 pixels average the noise well.
-const LONGEST_SIDE: u32 = 96;
-
 /// Everything that the words say, checked.
 struct Job {
     args: ConvergeArgs,
@@ -126,6 +123,10 @@ impl Job {
             args,
         };
         job.refuse_scene_flags()?;
+        if let (None, Some(names)) = (integral, &job.args.rules) {
+            let known: Vec<&str> = job.subject.rules.iter().map(|rule| rule.name).collect();
+            at_flag("--rules", converge::check_names(names, &known))?;
+        }
         paths::check_files(&job.args.output)?;
         let inputs = [Some(job.args.input.as_path()), job.args.reference.as_deref()];
         paths::check_inputs(&job.args.output, None, inputs.into_iter().flatten())?;
@@ -174,89 +175,6 @@ impl Job {
         converge::run(rules, &self.plan, labels, reference, &hooks)
     }
 
-    /// Loads, builds, makes the reference and studies; a signal before the study leaves nothing to write.
-    fn scene(&self) -> Result<Study, Failure> {
-        let ended_early = |doing: &str, error: Error| match self.signals.received() {
-            Some((signal, name)) => Failure::Stopped {
-                signal,
-                message: format!("stopped by {name} while {doing}; nothing was written"),
-            },
-            None => Failure::Error(error),
-        };
-        let truth = self.args.reference.as_deref().map(picture::read).transpose()?;
-        let mut loaded = self.load().map_err(|e| ended_early("loading", e))?;
-        self.console.findings(&loaded.findings);
-        paths::check_inputs(&self.args.output, None, loaded.files.iter().map(PathBuf::as_path))?;
-        self.set_size(&mut loaded, truth.as_ref());
-        let (scene, settings) = (&loaded.scene, &loaded.settings);
-        machine::check_memory(machine::prediction(scene.triangles(), settings))?;
-
-        let phase = Phase::begin(self.style, "build");
-        let progress = |p| {
-            if let Progress::Build(share) = p {
-                phase.show_share(share)
-            }
-        };
-        let hooks = render::Hooks { progress: &progress, stop: &|| self.signals.stop() };
-        let accel = render::build(scene, settings, None, &hooks).map_err(|e| ended_early("building", e))?;
-        drop(phase);
-
-        let stage = Stage { scene, settings, accel: &*accel, isa: None };
-        let rules = self.chosen(stage.rules(self.subject))?;
-        let name = one_line(&self.args.input.file_stem().unwrap_or_default().to_string_lossy());
-        let reference = match (&self.args.reference, &truth) {
-            (Some(path), Some(truth)) => Reference {
-                description: show_path(Path::new(path.file_name().unwrap_or_default())),
-                value: Value::picture(&truth.image),
-                rmse: 0.0,
-            },
-            _ => self.reference(&stage).map_err(|e| ended_early("making the reference", e))?,
-        };
-        Ok(self.study(&rules, stage.labels(&name, self.subject), reference)?)
-    }
-
-    fn load(&self) -> Result<Loaded> {
-        let phase = Phase::begin(self.style, "load");
-        let progress = |share: f64| {
-            phase.show_share(share);
-            !self.signals.stop()
-        };
-        let mut overrides: Vec<Override> = Vec::new();
-        if let Some(size) = &self.args.size {
-            overrides.push(super::args::size(size)?);
-        }
-        for text in &self.args.set {
-            overrides.push(Override::parse(text)?);
-        }
-        load::scene(&self.args.input, load::Options { overrides, progress: &progress, ..Default::default() })
-    }
-
-    /// The reference's size, or a small one, unless one is asked for.
-    fn set_size(&self, loaded: &mut Loaded, truth: Option<&picture::Picture>) {
-        let settings = &mut loaded.settings;
-        let is_asked_for =
-            self.args.size.is_some() || self.args.set.iter().any(|s| s.starts_with("film.size"));
-        match truth.map(|truth| &truth.image) {
-            _ if is_asked_for => {}
-            Some(image) => {
-                let is_whole = image.full_size == [image.width, image.height];
-                let [x, y] = image.offset;
-                settings.size = image.full_size;
-                settings.crop = (!is_whole).then_some([x, y, image.width, image.height]);
-            }
-            None if settings.crop.is_none() => settings.size = scene::shrink(settings.size, LONGEST_SIDE),
-            None => {}
-        }
-    }
-
-    fn reference(&self, stage: &Stage<'_>) -> Result<Reference> {
-        let phase = Phase::begin(self.style, "reference");
-        let progress = |share| phase.show_share(share);
-        let hooks = Hooks { progress: &progress, stop: &|| self.signals.stop() };
-        let made = stage.reference(self.subject, &self.plan, &hooks)?;
-        made.ok_or_else(|| Error::new("the reference was not finished"))
-    }
-
     /// Writes what there is, whether or not it was stopped.
     fn write(&self, study: &Study) -> Result<(), Failure> {
         let stopped = self.signals.received().filter(|_| !study.complete);
@@ -299,7 +217,7 @@ fn outputs(paths: &[PathBuf]) -> Result<Vec<(PathBuf, Encode)>> {
 }
 
 fn plan(args: &ConvergeArgs, is_integral: bool) -> Result<Plan> {
-    let (most, usual, runs) = if is_integral { (1 << 24, 4096, 64) } else { (scene::MAX_N, 256, 1) };
+    let (most, usual, runs) = if is_integral { (1 << 24, 4096, 64) } else { (MAX_N, 256, 1) };
     Ok(Plan {
         max_n: whole("--max-n", args.max_n.as_deref(), 1, most, usual)?,
         seeds: whole("--seeds", args.seeds.as_deref(), 1, 65536, runs)?,
