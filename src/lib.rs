@@ -23,6 +23,8 @@
 //! | what is wrong with a mesh file | [`check`]: counts, topology, materials, findings |
 //! | what a picture file holds | [`output`], which sees only [`film::Image`] |
 //! | how far two pictures are apart | [`compare`]: MSE, relMSE, PSNR, FLIP |
+//! | the notes' rules of integration over [0, D] | [`quadrature`] |
+//! | how fast a rule's error falls with the number of samples | [`converge`] |
 //!
 //! # Conventions
 //! Right-handed, y up, metres; linear Rec.709 RGB; radiance in W/(m²·sr). `wo` points to the viewer and `wi`
@@ -74,5 +76,7 @@ pub mod render;
 pub mod output;
 
 pub mod compare;
+
+pub mod converge;
 
 pub mod check;

@@ -38,6 +38,8 @@ pub enum Command {
     Check(super::check::CheckArgs),
     /// Say how far a picture is from a reference: MSE, relMSE, PSNR, FLIP
     Compare(super::compare::CompareArgs),
+    /// Draw how fast rules of integration converge: error against the number of samples
+    Converge(Box<super::converge::ConvergeArgs>),
 }
 
 /// The flags of `drt render`.
@@ -171,11 +173,7 @@ impl RenderArgs {
             all.extend(name.as_ref().map(|name| Override::name(flag, key, name)));
         }
         if let Some(size) = &self.size {
-            let words: Vec<&str> = size.split(['x', 'X', '×']).collect();
-            if words.len() != 2 {
-                return Err(form("--size", size, "WIDTHxHEIGHT, e.g. 1920x1080"));
-            }
-            all.push(Override::list("--size", "film.size", words));
+            all.push(self::size(size)?);
         }
         if let Some(crop) = &self.crop {
             let words: Vec<&str> = crop.split(',').collect();
@@ -192,6 +190,15 @@ impl RenderArgs {
         }
         Ok(all)
     }
+}
+
+/// `--size WxH` as the key it stands for.
+pub fn size(word: &str) -> Result<Override> {
+    let words: Vec<&str> = word.split(['x', 'X', '×']).collect();
+    if words.len() != 2 {
+        return Err(form("--size", word, "WIDTHxHEIGHT, e.g. 1920x1080"));
+    }
+    Ok(Override::list("--size", "film.size", words))
 }
 
 fn form(flag: &str, word: &str, form: &str) -> Error {

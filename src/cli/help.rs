@@ -3,6 +3,9 @@
 use drt::accel::Backend;
 use drt::bsdf::{Bsdf, fresnel::METALS};
 use drt::camera::Projection;
+use drt::converge::integrals::INTEGRALS;
+use drt::converge::report;
+use drt::converge::scene::Subject;
 use drt::film::{Aov, Filter};
 use drt::light::Light;
 use drt::load::auto::{Sky, Up, View};
@@ -29,6 +32,8 @@ EXAMPLES
       a part of the picture at full quality, with the pixels of the whole
   drt check scan.obj
       what is in the file and what is wrong with it; --json for programs, --strict to fail on warnings
+  drt converge scenes/cornell-box.toml -o cornell.svg
+      error against the number of samples, for each way to choose them; drt converge --help lists them
   drt bunny.obj -q --stats - | jq .seconds
       what took how long
 
@@ -95,6 +100,31 @@ pub fn topics() -> String {
         let _ = writeln!(text, "  {title:<15} {}", names.join(", "));
     }
     format!("{text}\n{EXIT_CODES}")
+}
+
+/// Below the flags of `drt converge`.
+pub fn converge() -> String {
+    let row = |indent: &str, name: &str, meaning: &str| format!("{indent}{name:<18} {meaning}\n");
+    let mut text = "INTEGRALS with known answers, and their rules\n".to_string();
+    // Neighbours with the same rules share a list of them.
+    let rules_of = |i: usize| INTEGRALS.get(i).and_then(|integral| integral.rules().ok()).unwrap_or_default();
+    let names_of = |i: usize| rules_of(i).iter().map(|rule| rule.name).collect::<Vec<_>>();
+    for (i, integral) in INTEGRALS.iter().enumerate() {
+        text += &row("  ", integral.name, integral.meaning);
+        if names_of(i) != names_of(i + 1) {
+            text.extend(rules_of(i).iter().map(|rule| row("    ", rule.name, rule.meaning)));
+        }
+    }
+    text.push_str("\nSCENES, by --vary, and their rules\n");
+    for (name, meaning, subject) in Subject::TABLE {
+        text += &row("  ", name, meaning);
+        text.extend(subject.rules.iter().map(|rule| row("    ", rule.name, rule.meaning)));
+    }
+    text.push_str("\nOUTPUTS\n");
+    text.extend(report::FORMATS.iter().map(|format| row("  .", format.0, format.1)));
+    format!(
+        "{text}\nRMSE is over all pixels, colours and runs; relMSE is that of drt compare. Ctrl-C writes what is finished.\n"
+    )
 }
 
 /// What `--version` prints.

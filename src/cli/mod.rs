@@ -4,6 +4,7 @@ mod args;
 mod check;
 mod compare;
 mod console;
+mod converge;
 mod help;
 mod machine;
 mod panics;
@@ -64,6 +65,7 @@ pub fn main() -> ExitCode {
 /// The parsed words; `None` when help was asked for and given.
 fn parse() -> Result<Option<Cli>, Error> {
     let command = Cli::command().after_long_help(help::topics()).after_help(help::SHORT);
+    let command = command.mut_subcommand("converge", |converge| converge.after_help(help::converge()));
     let parsed = command.try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
     match parsed {
         Ok(cli) => Ok(Some(cli)),
@@ -80,6 +82,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Some(Command::Render(render)) => render::run(*render),
         Some(Command::Check(check)) => check::run(&check),
         Some(Command::Compare(compare)) => Ok(compare::run(&compare)?),
+        Some(Command::Converge(converge)) => converge::run(*converge),
         None => render::run(cli.render),
     }
 }

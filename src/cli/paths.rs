@@ -27,7 +27,21 @@ pub fn check(outputs: &[PathBuf], stats: Option<&Path>) -> Result<()> {
     if let Some(stats) = stats {
         output::check_writable(stats)?;
     }
-    let all: Vec<&Path> = outputs.iter().map(PathBuf::as_path).chain(stats).collect();
+    check_distinct(&outputs.iter().map(PathBuf::as_path).chain(stats).collect::<Vec<_>>())
+}
+
+/// [`check`] for files that are no pictures.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_files(outputs: &[PathBuf]) -> Result<()> {
+    for output in outputs {
+        output::check_writable(output)?;
+    }
+    check_distinct(&outputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())
+}
+
+fn check_distinct(all: &[&Path]) -> Result<()> {
     for (i, path) in all.iter().enumerate() {
         if all.iter().skip(i + 1).any(|other| is_same(path, other)) {
             return Err(Error::usage("named twice as an output")

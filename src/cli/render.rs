@@ -219,14 +219,16 @@ fn strict_error(findings: &Findings) -> Error {
     Error::new(format!("{first}; {count} warnings, and --strict allows none"))
 }
 
-fn at_flag<T>(flag: &str, result: Result<T>) -> Result<T> {
+/// Names the flag that an error is about.
+pub fn at_flag<T>(flag: &str, result: Result<T>) -> Result<T> {
     result.map_err(|mut e| {
         e.message = format!("{flag}: {}", e.message);
         e
     })
 }
 
-fn threads(word: &str) -> Result<usize> {
+/// The number behind `--threads`.
+pub fn threads(word: &str) -> Result<usize> {
     let number = word.parse().ok().filter(|n| (1..=1024).contains(n));
     number.ok_or_else(|| {
         Error::usage(format!("--threads: must be a whole number from 1 to 1024, not \"{word}\""))

@@ -56,7 +56,7 @@ pub fn compare(a: &Image, b: &Image, kind: Kind) -> Result<Comparison> {
         let (value, reference) = (f64::from(value), f64::from(reference));
         let difference = (value - reference).abs();
         squares += difference * difference;
-        relative += difference * difference / (reference * reference + 0.01);
+        relative += relative_square(value, reference);
         absolute += difference;
         max = max.max(difference);
     }
@@ -75,6 +75,11 @@ pub fn compare(a: &Image, b: &Image, kind: Kind) -> Result<Comparison> {
         flip_kind: kind,
         flip_map,
     })
+}
+
+/// One value's part of relMSE: (a − b)²/(b² + 0.01) with the reference b.
+pub fn relative_square(a: f64, b: f64) -> f64 {
+    (a - b) * (a - b) / (b * b + 0.01)
 }
 
 /// |a − b| as `R`, `G`, `B`, with the FLIP map as the layer `flip.Y`; for two pictures that [`compare`] accepts.

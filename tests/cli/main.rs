@@ -1,6 +1,7 @@
 //! The program as its users meet it: words in, files, messages and exit codes out.
 
 mod check;
+mod converge;
 mod files;
 mod mistakes;
 mod pictures;
