@@ -140,29 +140,69 @@ fn the_table_is_the_answer_unless_json_or_quiet() {
     assert_eq!(csv.lines().count(), 1 + 8 * 7);
 }
 
-/// A point's error is the one that `drt compare` finds between the rendered picture and the reference.
+/// A point's error is the one that `drt compare` finds between the reference and the picture that the rule's settings
+/// give: what is varied and what is rendered are the same.
 #[test]
 fn a_scenes_errors_are_those_of_its_pictures() {
     let folder = folder();
     let dir = folder.path();
-    let render = |words: &[&str]| {
-        drt(dir, &[&["s.toml", "-q"][..], words].concat()).expect(0, &[]);
+    let directions = |rule: &str| {
+        let integrator =
+            format!("render.integrator={{ type = \"distribution\", {rule}, directions = [[4, 4], 1] }}");
+        let centres = "film.rule={ type = \"uniform\", grid = [1, 1] }".to_string();
+        vec![integrator, centres, "render.max_depth=1".to_string()]
     };
-    render(&["--spp", "512", "--seed", "99", "-o", "truth.exr"]);
-    let words = ["s.toml", "--reference", "truth.exr", "--max-n", "16", "--seed", "7"];
-    let study = study(dir, &words);
-    assert_eq!(study["reference"]["description"], "truth.exr");
-    for sampler in ["random", "stratified", "sobol"] {
-        render(&["--spp", "16", "--seed", "7", "--sampler", sampler, "-o", "a.exr"]);
-        let compared: Value =
-            serde_json::from_str(&drt(dir, &["compare", "a.exr", "truth.exr", "--json"]).out).unwrap();
-        let point = last(&study, sampler);
-        let rmse = point["rmse"].as_f64().unwrap();
-        assert_eq!(point["n"], 16);
-        assert!((rmse * rmse / compared["mse"].as_f64().unwrap() - 1.0).abs() < 1e-12, "{sampler}");
-        let relative = point["relmse"].as_f64().unwrap() / compared["relmse"].as_f64().unwrap();
-        assert!((relative - 1.0).abs() < 1e-12, "{sampler}");
-        assert!(point["rays"].as_u64().unwrap() >= 16 * 12 * 16, "{sampler}: {point}");
+    let points = |rule: &str, sampler: &str| {
+        let sampler = format!("render.sampler={sampler}");
+        vec![format!("film.rule={rule}"), "render.spp=16".to_string(), sampler]
+    };
+    let grid = |name: &str| format!("{{ type = \"{name}\", grid = [4, 4] }}");
+    let by_light = |mut set: Vec<String>, lights: &str| {
+        set.push(format!("render.lights={lights}"));
+        set
+    };
+    let importance = || directions("rule = \"importance\"");
+    let hemisphere = vec![
+        ("uniform", directions("rule = \"uniform\"")),
+        ("uniform-corner", directions("rule = \"uniform-corner\"")),
+        ("random", directions("rule = \"random\"")),
+        ("stratified", directions("rule = \"stratified\"")),
+        ("nonuniform", directions("rule = \"nonuniform\"")),
+        ("nonuniform-random", directions("rule = \"nonuniform\", per_cell = 1")),
+        ("importance-bsdf", by_light(importance(), "bsdf")),
+        ("importance-light", by_light(importance(), "light")),
+        ("importance", importance()),
+        ("sobol", directions("rule = \"sobol\"")),
+    ];
+    let pixel = vec![
+        ("uniform", points(&grid("uniform"), "random")),
+        ("uniform-corner", points(&grid("uniform-corner"), "random")),
+        ("random", points("random", "random")),
+        ("stratified", points(&grid("stratified"), "stratified")),
+        ("nonuniform", points(&grid("nonuniform"), "random")),
+        ("importance", points("importance", "random")),
+        ("sobol", points("sampler", "sobol")),
+    ];
+    drt(dir, &["s.toml", "-q", "--spp", "512", "--seed", "99", "-o", "truth.exr"]).expect(0, &[]);
+    for (vary, rules) in [("hemisphere", hemisphere), ("pixel", pixel)] {
+        let words = ["s.toml", "--vary", vary, "--reference", "truth.exr", "--max-n", "16", "--seed", "7"];
+        let study = study(dir, &words);
+        assert_eq!(study["reference"]["description"], "truth.exr");
+        assert_eq!(study["rules"].as_array().map(Vec::len), Some(rules.len()), "{vary}");
+        for (name, set) in rules {
+            let mut words = vec!["s.toml", "-q", "--seed", "7", "-o", "a.exr"];
+            words.extend(set.iter().flat_map(|s| ["--set", s.as_str()]));
+            drt(dir, &words).expect(0, &[]);
+            let compared: Value =
+                serde_json::from_str(&drt(dir, &["compare", "a.exr", "truth.exr", "--json"]).out).unwrap();
+            let point = last(&study, name);
+            let rmse = point["rmse"].as_f64().unwrap();
+            assert_eq!(point["n"], 16);
+            let ratio = rmse * rmse / compared["mse"].as_f64().unwrap();
+            assert!((ratio - 1.0).abs() < 1e-12, "{vary} {name}: {ratio}");
+            let relative = point["relmse"].as_f64().unwrap() / compared["relmse"].as_f64().unwrap();
+            assert!((relative - 1.0).abs() < 1e-12, "{vary} {name}");
+        }
     }
 }
 
@@ -184,7 +224,11 @@ fn runs_are_averaged_by_their_squares() {
 fn a_scene_gets_a_long_run_as_its_reference() {
     let folder = folder();
     let dir = folder.path();
-    let long = study(dir, &["t.obj", "--set", "film.size=[12,8]", "--max-n", "64", "--seeds", "2"]);
+    let pixel = ["--vary", "pixel"];
+    let long = study(
+        dir,
+        &[&pixel[..], &["t.obj", "--set", "film.size=[12,8]", "--max-n", "64", "--seeds", "2"]].concat(),
+    );
     let reference = &long["reference"];
     assert_eq!(reference["description"], "path, sobol sampler, 1024 samples a pixel, seeds 2 and 3");
     assert_eq!(long["settings"]["size"], serde_json::json!([12, 8]));
@@ -201,7 +245,7 @@ fn a_scene_gets_a_long_run_as_its_reference() {
     assert!((slope("random") + 0.5).abs() < 0.1 && slope("sobol") < slope("random"), "{}", slope("random"));
 
     // Its own error: half of what lies between its two halves.
-    let short = study(dir, &["s.toml", "--max-n", "1"]);
+    let short = study(dir, &["s.toml", "--vary", "pixel", "--max-n", "1"]);
     for seed in ["1", "2"] {
         let file = format!("{seed}.exr");
         drt(dir, &["s.toml", "-q", "--spp", "8", "--seed", seed, "-o", &file]).expect(0, &[]);
