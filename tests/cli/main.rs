@@ -3,6 +3,7 @@
 mod check;
 mod converge;
 mod files;
+mod guide;
 mod mistakes;
 mod pictures;
 mod readme;
