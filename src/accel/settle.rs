@@ -55,8 +55,8 @@ pub(super) fn settle(triangles: &impl Triangles, rays: &Rays, active: Mask, hits
     }
 }
 
-/// True when the hit lies within [`ROUNDINGS`] of an edge, seen along the ray. Half of a parallelogram's area is
-/// edge times height, so the distance from an edge is the corner's weight times the area over the edge; the
+/// True when the hit lies within [`ROUNDINGS`] of an edge, seen along the ray. A parallelogram's area is edge times
+/// height, so the distance from an edge is the opposite corner's weight times the area over the edge; the
 /// longest edge errs on the side of doubt.
 #[inline(always)]
 fn is_in_doubt(rays: &Rays, hits: &Hits, lane: usize, corners: [Vec3; 3]) -> bool {
