@@ -23,6 +23,7 @@
 //! | edge-on triangles (det = 0) not sorted out | rays_in_the_plane_of_triangles |
 //! | triangles without area kept | collinear_corners_are_never_hit |
 //! | inactive lanes traced | inactive_and_invalid_lanes |
+//! | hits at edges not settled; the ray moved outwards; the nearest hider not asked in turn | rays_from_… |
 //! | last triangle of a leaf lost; a split's right box taken from the left | soups, closed…, 8 more |
 //! | coinciding middles not halved | identical_triangles, unit |
 //! | partition depends on the number of threads | unit (no answer changes, so no test here can see it) |
@@ -31,6 +32,7 @@
 //! left infinite (the margins prevent both cases already; each line is the second safeguard).
 
 mod meshes;
+mod silhouettes;
 
 use drt::accel::brute::Brute;
 use drt::accel::judge::{Judge, Tally};
@@ -529,58 +531,5 @@ proptest! {
             .map(|(o, d, tmax)| (Vec3::from(o), Vec3::from(d), 0.0, if tmax < 1.0 { f32::INFINITY } else { tmax }))
             .collect();
         agree("small mesh", &one(mesh), &rays);
-    }
-}
-
-/// Rays from outside a closed body, aimed at the edges where it turns away, do not meet its inside: a path
-/// would go on within it. (Embree alone gives the back triangle for one in nine of them.)
-#[test]
-fn rays_from_outside_meet_the_outside() {
-    for (what, mesh) in [("torus", torus(60)), ("sphere", uv_sphere(80))] {
-        let corner = |i: u32| Vec3::from(mesh.positions[i as usize]);
-        let normal = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(corner);
-            (b - a).cross(c - a)
-        };
-        let volume: f32 = mesh.indices.iter().map(|t| corner(t[0]).dot(normal(t))).sum();
-        let mut edges: Vec<([u32; 2], usize)> = Vec::new();
-        for (i, t) in mesh.indices.iter().enumerate() {
-            for k in 0..3 {
-                let (a, b) = (t[k], t[(k + 1) % 3]);
-                edges.push(([a.min(b), a.max(b)], i));
-            }
-        }
-        edges.sort_unstable();
-        let mut random = Random(11);
-        let mut rays = Vec::new();
-        for _ in 0..12 * effort() {
-            let o = random.cube().normalize_or(Vec3::X) * (3.0 + 2.0 * random.unit());
-            let faces =
-                |i: usize| (o - corner(mesh.indices[i][0])).dot(normal(&mesh.indices[i])) * volume > 0.0;
-            for pair in edges.windows(2).filter(|p| p[0].0 == p[1].0 && faces(p[0].1) != faces(p[1].1)) {
-                let [a, b] = pair[0].0.map(corner);
-                for _ in 0..40 {
-                    rays.push(towards(o, a + (b - a) * (0.05 + 0.9 * random.unit())));
-                }
-            }
-        }
-        assert!(rays.len() > 20_000, "{what}: {} rays", rays.len());
-        let meshes = one(mesh.clone());
-        let chunks = chunks(&rays);
-        for (name, backend) in all(&meshes) {
-            let hits = trace(&*backend, &chunks);
-            let mut inside = 0;
-            for (c, h) in chunks.iter().zip(&hits) {
-                for lane in (0..LANES).filter(|l| h.mesh[*l] != MISS) {
-                    let n = normal(&mesh.indices[h.triangle[lane] as usize]) * volume.signum();
-                    // Seen edge on, within rounding, neither side is wrong.
-                    inside += usize::from(n.normalize_or_zero().dot(c.d(lane).normalize()) > 1e-3);
-                }
-            }
-            // Embree settles hits at edges; where both faces are seen nearly edge on, one in some thousands stays
-            // undecided. The hierarchy gives exact ties, which rays aimed at an edge provoke, to the lowest id.
-            let allowed = if name.contains("embree") { rays.len() / 4000 } else { rays.len() / 100 };
-            assert!(inside <= allowed, "{what}: {name} shows the inside to {inside} of {} rays", rays.len());
-        }
     }
 }

@@ -97,6 +97,13 @@ pub fn mapped(mesh: &Mesh, f: impl Fn(Vec3) -> Vec3) -> Mesh {
     Mesh::new(mesh.positions.iter().map(|p| f(Vec3::from(*p)).to_array()).collect(), mesh.indices.clone())
 }
 
+/// The mesh with every vertex moved by up to `by` along each axis, as a scanner would.
+pub fn rough(mesh: &Mesh, by: f32) -> Mesh {
+    let mut random = Random(41);
+    let moved = mesh.positions.iter().map(|p| (Vec3::from(*p) + random.cube() * by).to_array()).collect();
+    Mesh::new(moved, mesh.indices.clone())
+}
+
 /// `n` triangles of all sizes in the unit cube.
 pub fn soup(n: usize, seed: u64) -> Mesh {
     let mut random = Random(seed);

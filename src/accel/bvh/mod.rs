@@ -5,12 +5,14 @@
 //! compiler vectorises them, `ray` prepares a ray for both, and `traverse` walks.
 //!
 //! A hit is a function of the ray and of one triangle alone; boxes only leave triangles out that cannot be
-//! hit (proofs in `node` and `triangle`), and ties go to the lowest id. So the answer does not depend on the tree,
-//! the build's quality, the threads, the instruction set or the rays traced together: it is bit for bit that of
-//! testing every triangle, and the tests hold it to that.
+//! hit (proofs in `node` and `triangle`), and ties go to the lowest id. Hits at edges are settled once more among
+//! the triangles around them (`accel/settle.rs`), by a rule that knows no tree either. So the answer does not
+//! depend on the tree, the build's quality, the threads, the instruction set or the rays traced together: it is
+//! bit for bit that of testing every triangle, and the tests hold it to that.
 
 mod bounds;
 mod build;
+mod near;
 mod node;
 mod ray;
 mod split;
@@ -20,13 +22,15 @@ mod triangle;
 #[cfg(test)]
 mod tests;
 
+use super::settle::{Triangles, settle};
 use super::{BuildOptions, Checked, Coherence, Hits, Intersector, LANES, MISS, Mask};
 use crate::error::{Error, Result};
+use crate::math::Vec3;
 use crate::math::isa::{self, Isa, Kernel};
 use crate::shape::Mesh;
 use ray::Ray;
 use std::sync::Arc;
-use traverse::{Stack, Tree};
+use traverse::{Place, Stack, Tree};
 
 /// A built hierarchy. It keeps its own copy of the triangles and none of the meshes.
 pub struct Bvh {
@@ -57,7 +61,12 @@ impl Bvh {
 
 impl Intersector for Bvh {
     fn closest(&self, rays: Checked<'_>, _: Coherence, hits: &mut Hits) {
-        isa::run(self.isa, Closest { tree: self.tree(), rays, hits });
+        let tree = self.tree();
+        let mut places = [Place::default(); LANES];
+        isa::run(self.isa, Closest { tree, rays, hits, places: &mut places });
+        if let Some(tree) = tree {
+            settle(&Placed { tree, places }, rays.rays(), rays.active(), hits);
+        }
     }
 
     fn occluded(&self, rays: Checked<'_>, _: Coherence) -> Mask {
@@ -86,6 +95,7 @@ struct Closest<'a> {
     tree: Option<Tree<'a>>,
     rays: Checked<'a>,
     hits: &'a mut Hits,
+    places: &'a mut [Place; LANES],
 }
 
 impl Kernel for Closest<'_> {
@@ -101,7 +111,10 @@ impl Kernel for Closest<'_> {
                 _ => None,
             };
             let (t, u, v, mesh, triangle) = match hit {
-                Some((hit, ray)) => (ray.unscale(hit.t), hit.u, hit.v, (hit.id >> 32) as u32, hit.id as u32),
+                Some(((hit, place), ray)) => {
+                    self.places[lane] = place;
+                    (ray.unscale(hit.t), hit.u, hit.v, (hit.id >> 32) as u32, hit.id as u32)
+                }
                 None => (f32::INFINITY, 0.0, 0.0, MISS, MISS),
             };
             self.hits.t[lane] = t;
@@ -110,6 +123,27 @@ impl Kernel for Closest<'_> {
             self.hits.mesh[lane] = mesh;
             self.hits.triangle[lane] = triangle;
         }
+    }
+}
+
+/// The tree, and where the triangles are that a chunk hit.
+struct Placed<'a> {
+    tree: Tree<'a>,
+    places: [Place; LANES],
+}
+
+impl Triangles for Placed<'_> {
+    #[inline(always)]
+    fn hit(&self, _: &Hits, lane: usize) -> [Vec3; 3] {
+        let Place { block, lane } = self.places[lane];
+        self.tree.blocks[block as usize].triangle_at(lane as usize)
+    }
+
+    fn around(&self, point: Vec3, radius: f32, each: &mut dyn FnMut([u32; 2], [Vec3; 3])) {
+        self.tree.around(point, radius, &mut |index, lane| {
+            let block = &self.tree.blocks[index];
+            each(block.ids(lane), block.triangle_at(lane));
+        });
     }
 }
 

@@ -27,6 +27,15 @@ impl Default for Stack {
     }
 }
 
+/// Where a triangle is kept.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Place {
+    /// Index of its block.
+    pub block: u32,
+    /// Its lane there.
+    pub lane: u32,
+}
+
 /// The tree as the traversal sees it; node 0 is the root, and there is at least that one.
 #[derive(Clone, Copy)]
 pub struct Tree<'a> {
@@ -37,16 +46,18 @@ pub struct Tree<'a> {
 }
 
 impl Tree<'_> {
-    /// The closest hit; of hits at equal distance, the one with the lowest id.
+    /// The closest hit; of hits at equal distance, the one with the lowest id. With it, its triangle's place.
     #[inline(always)]
-    pub fn closest(&self, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
+    pub fn closest(&self, ray: &Ray, stack: &mut Stack) -> Option<(Hit, Place)> {
         let stack = &mut stack.0;
         let mut best = Hit { t: ray.tmax, u: 0.0, v: 0.0, id: u64::MAX };
+        let mut place = Place::default();
         let mut top = 0;
         let mut child = Child::node(0);
         loop {
             if child.is_leaf() {
-                for block in &self.blocks[child.blocks()] {
+                let first = child.blocks().start;
+                for (i, block) in self.blocks[child.blocks()].iter().enumerate() {
                     let mut candidates = block.candidates(ray);
                     while candidates != 0 {
                         let lane = candidates.trailing_zeros() as usize;
@@ -55,6 +66,7 @@ impl Tree<'_> {
                             && (hit.t < best.t || hit.id < best.id)
                         {
                             best = hit;
+                            place = Place { block: (first + i) as u32, lane: lane as u32 };
                         }
                     }
                 }
@@ -79,7 +91,7 @@ impl Tree<'_> {
             // A box entered at exactly the best distance may still hold a tie with a lower id.
             loop {
                 if top == 0 {
-                    return (best.id != u64::MAX).then_some(best);
+                    return (best.id != u64::MAX).then_some((best, place));
                 }
                 top -= 1;
                 if stack[top].near <= best.t {

@@ -14,6 +14,7 @@
 
 use super::node::{enlarge, max, min};
 use super::ray::{Ray, SlabRay};
+use crate::math::Vec3;
 
 /// Triangles of a block.
 pub const BLOCK: usize = 4;
@@ -57,6 +58,21 @@ impl Block {
         }
         self.mesh[lane] = mesh;
         self.triangle[lane] = triangle;
+    }
+
+    /// Mesh and triangle in a lane.
+    pub fn ids(&self, lane: usize) -> [u32; 2] {
+        [self.mesh[lane % BLOCK], self.triangle[lane % BLOCK]]
+    }
+
+    /// The corners of the triangle in a lane.
+    #[inline(always)]
+    pub fn triangle_at(&self, lane: usize) -> [Vec3; 3] {
+        let lane = lane % BLOCK;
+        [0, 1, 2].map(|corner| {
+            let [x, y, z] = &self.corners[corner];
+            Vec3::new(x[lane], y[lane], z[lane])
+        })
     }
 
     /// One bit for each triangle that the ray's line may meet: those whose edge functions have no two

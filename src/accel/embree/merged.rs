@@ -64,12 +64,16 @@ impl Merged {
     pub(super) fn name_hits(&self, active: Mask, hits: &mut Hits) {
         for lane in 0..LANES {
             if active >> lane & 1 == 1 && hits.mesh[lane] != MISS {
-                let joined = hits.triangle[lane];
-                // The last mesh that starts at or before it; of empty ones at the same place the last.
-                let mesh = self.first.partition_point(|&f| f <= joined) - 1;
-                hits.mesh[lane] = mesh as u32;
-                hits.triangle[lane] = joined - self.first[mesh];
+                [hits.mesh[lane], hits.triangle[lane]] = self.name(hits.triangle[lane]);
             }
         }
+    }
+
+    /// Mesh and triangle of a joined triangle.
+    #[inline]
+    pub(super) fn name(&self, joined: u32) -> [u32; 2] {
+        // The last mesh that starts at or before it; of empty ones at the same place the last.
+        let mesh = self.first.partition_point(|&f| f <= joined) - 1;
+        [mesh as u32, joined - self.first[mesh]]
     }
 }

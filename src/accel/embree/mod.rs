@@ -5,7 +5,7 @@
 //! become a [`Result`] after device, geometry and commit, never per ray.
 //!
 //! The scene is always *robust* (watertight); the default flags lose rays at shared edges. Hits at edges are
-//! settled once more (`silhouette.rs`), so that a ray from outside a closed body meets its outside.
+//! settled once more (`accel/settle.rs`), so that a ray from outside a closed body meets its outside.
 //!
 //! # The same tree everywhere
 //! A picture must not depend on threads or on the processor's model, so the following is pinned:
@@ -19,16 +19,18 @@
 
 mod device;
 mod merged;
+mod near;
 mod scene;
 mod shared;
-mod silhouette;
 mod trace;
 
 #[cfg(test)]
 mod tests;
 
-use super::{BuildOptions, Checked, Coherence, Hits, Intersector, LANES, Mask, Quality, cancelled};
+use super::settle::{Triangles, settle};
+use super::{BuildOptions, Checked, Coherence, Hits, Intersector, Mask, Quality, cancelled};
 use crate::error::{Error, Result};
+use crate::math::Vec3;
 use crate::math::isa::Isa;
 use crate::shape::Mesh;
 use device::Device;
@@ -93,36 +95,15 @@ impl Embree {
         let width = Width::native(&device);
         Ok(Embree { scene, device, geometry, meshes: meshes.to_vec(), width, isa })
     }
-
-    /// The closest hits as Embree sees them.
-    #[inline]
-    fn trace(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
-        trace::closest(&self.scene, self.width, rays, coherence, hits);
-        self.name_hits(rays.active(), hits);
-    }
-
-    /// Names mesh and triangle of the lanes in `hit`, where all meshes share one geometry.
-    #[inline]
-    fn name_hits(&self, active: Mask, hits: &mut Hits) {
-        if let Geometry::Merged(merged) = &self.geometry {
-            merged.name_hits(active, hits);
-        }
-    }
 }
 
 impl Intersector for Embree {
     fn closest(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
-        self.trace(rays, coherence, hits);
-        for lane in (0..LANES).filter(|lane| rays.active() >> lane & 1 == 1) {
-            if silhouette::is_near_an_edge(hits, lane) {
-                silhouette::settle(&self.meshes, rays.rays(), lane, hits, |second| {
-                    let checked = second.check(1);
-                    let mut hits = Hits::default();
-                    self.trace(checked, Coherence::Incoherent, &mut hits);
-                    (checked.active() == 1).then_some(hits)
-                });
-            }
+        trace::closest(&self.scene, self.width, rays, coherence, hits);
+        if let Geometry::Merged(merged) = &self.geometry {
+            merged.name_hits(rays.active(), hits);
         }
+        settle(self, rays.rays(), rays.active(), hits);
     }
 
     fn occluded(&self, rays: Checked<'_>, coherence: Coherence) -> Mask {
@@ -139,6 +120,25 @@ impl Intersector for Embree {
 
     fn isa(&self) -> &str {
         self.isa.name()
+    }
+}
+
+impl Triangles for Embree {
+    #[inline(always)]
+    fn hit(&self, hits: &Hits, lane: usize) -> [Vec3; 3] {
+        self.meshes[hits.mesh[lane] as usize].triangle(hits.triangle[lane] as usize)
+    }
+
+    fn around(&self, point: Vec3, radius: f32, each: &mut dyn FnMut([u32; 2], [Vec3; 3])) {
+        near::around(&self.scene, point, radius, &mut |geometry, triangle| {
+            let [mesh, triangle] = match &self.geometry {
+                Geometry::Shared(_) => [geometry, triangle],
+                Geometry::Merged(merged) => merged.name(triangle),
+            };
+            if let Some(m) = self.meshes.get(mesh as usize) {
+                each([mesh, triangle], m.triangle(triangle as usize));
+            }
+        });
     }
 }
 
