@@ -10,7 +10,7 @@
 //! image files ◀──output── Image ◀──film── pixels ◀──render── Integrator (waves of paths)
 //! ```
 //!
-//! `math, error ◀ shape ◀ accel ◀ {bsdf, light, camera, sampler, film} ◀ scene ◀ load ◀ integrator ◀ render ◀ cli`
+//! `math, error ◀ quadrature, shape ◀ accel ◀ {bsdf, light, camera, sampler, film} ◀ scene ◀ load ◀ integrator ◀ render ◀ cli`
 //!
 //! | to find … | open |
 //! |---|---|
@@ -23,7 +23,8 @@
 //! | what is wrong with a mesh file | [`check`]: counts, topology, materials, findings |
 //! | what a picture file holds | [`output`], which sees only [`film::Image`] |
 //! | how far two pictures are apart | [`compare`]: MSE, relMSE, PSNR, FLIP |
-//! | the notes' rules of integration over [0, D] | [`quadrature`] |
+//! | the notes' rules of integration over [0, D], and over the hemisphere | [`quadrature`] |
+//! | the notes' distRtShade | [`integrator`], `distribution.rs`; the rules for a pixel's points are in [`film::rule`] |
 //! | how fast a rule's error falls with the number of samples | [`converge`] |
 //!
 //! # Conventions

@@ -76,7 +76,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", help_heading = "Picture", allow_negative_numbers = true)]
     pub max_depth: Option<String>,
 
-    /// What is computed: path, direct, ao, normals
+    /// What is computed: path, distribution, direct, ao, normals
     #[arg(long, value_name = "NAME", help_heading = "Picture")]
     pub integrator: Option<String>,
 

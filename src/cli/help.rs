@@ -6,12 +6,13 @@ use drt::camera::Projection;
 use drt::converge::integrals::INTEGRALS;
 use drt::converge::report;
 use drt::converge::scene::Subject;
-use drt::film::{Aov, Filter};
+use drt::film::{Aov, Filter, PixelRule};
 use drt::light::Light;
 use drt::load::auto::{Sky, Up, View};
 use drt::math::isa::Isa;
 use drt::output::{FORMATS, ToneMap};
-use drt::scene::{IntegratorKind, LightSampling, SamplerKind};
+use drt::quadrature::hemisphere::{HemisphereRule, Measure};
+use drt::scene::{IntegratorKind, LightSampling, Quantity, SamplerKind};
 use std::fmt::Write;
 
 /// Below the short help.
@@ -83,6 +84,10 @@ pub fn topics() -> String {
     list("sampler", &mut SamplerKind::TABLE.iter().map(|r| (r.0, r.1)));
     list("lights", &mut LightSampling::TABLE.iter().map(|r| (r.0, r.1)));
     list("filter", &mut Filter::NAMES.iter().copied());
+    list("film.rule", &mut PixelRule::TABLE.iter().map(|r| (r.0, r.1)));
+    list("quantity", &mut Quantity::TABLE.iter().map(|r| (r.0, r.1)));
+    list("rule of the distribution integrator", &mut HemisphereRule::TABLE.iter().map(|r| (r.0, r.1)));
+    list("measure of its random directions", &mut Measure::TABLE.iter().map(|r| (r.0, r.1)));
     list("camera", &mut Projection::NAMES.iter().copied());
     list("material", &mut Bsdf::NAMES.iter().copied());
     list("light", &mut Light::NAMES.iter().copied());
