@@ -78,7 +78,7 @@ impl Extent {
     /// Where scene coordinates begin: zero, unless all lies so far away that f32 would lose the shape; then a
     /// multiple of a power of two near the middle, so that the subtraction is exact.
     pub fn origin(&self) -> DVec3 {
-        const FAR: f64 = 16.0;
+        const FAR: f64 = 0.5;
         let size = (self.max - self.min).max_element();
         let middle = (self.min + self.max) * 0.5;
         if !(size > 0.0 && middle.is_finite() && middle.abs().max_element() > FAR * size) {

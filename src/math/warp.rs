@@ -36,7 +36,9 @@ pub fn disk_inverse(p: Vec2) -> [f32; 2] {
 #[inline(always)]
 pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
     let p = disk(u);
-    Vec3::new(p.x, p.y, (1.0 - p.length_squared()).max(0.0).sqrt())
+    // On the disk's rim 1 − r² rounds to 0 as often as to what it is, half a rounding of 1 at the least. A direction
+    // in the surface itself would end a path that loses no light.
+    Vec3::new(p.x, p.y, (1.0 - p.length_squared()).max(0.25 * f32::EPSILON).sqrt())
 }
 
 /// Density of [`cosine_hemisphere`] per solid angle.

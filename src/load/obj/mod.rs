@@ -82,7 +82,7 @@ impl Default for ReadOptions<'_> {
 pub struct ObjFile {
     /// The mesh, relative to `origin`; its material ids are indices into `material_names`.
     pub mesh: Mesh,
-    /// Mesh coordinates + origin = file coordinates. Zero unless the mesh is more than 16 times its own
+    /// Mesh coordinates + origin = file coordinates. Zero unless the mesh is more than half its own
     /// size away from the file's origin; then a multiple of a power of two near the mesh's centre.
     pub origin: DVec3,
     /// Names after `usemtl` in the order they first appear; the empty name is the default material of

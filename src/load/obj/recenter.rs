@@ -1,7 +1,8 @@
 //! Coordinates far from the origin lose their last digits in f32; they are moved near it, in f64.
 //!
-//! A mesh is far when its centre is more than [`FAR`] times its extent away on some axis: f32 then has
-//! fewer than 20 of its 24 bits left for the shape. The origin taken is the centre rounded to a multiple
+//! A mesh is far when its centre is more than [`FAR`] times its extent away on some axis. That is early: f32 then
+//! still has 23 of its 24 bits for the shape. But rays start and meet surfaces by roundings of the coordinates, and
+//! between the fine triangles of a scan every one of them counts. The origin taken is the centre rounded to a multiple
 //! of a power of two P ≥ (2·[`FAR`] + 1) times the extent. So what is moved is still no further than P/2
 //! from the origin, about as far as what is never moved; and a mesh that is *not* far, shifted by a
 //! multiple of its P, is moved back by just that shift: it comes out bit for bit as it was.
@@ -11,7 +12,7 @@ use crate::math::DVec3;
 use rayon::prelude::*;
 
 /// See the module.
-pub(super) const FAR: f64 = 16.0;
+pub(super) const FAR: f64 = 0.5;
 
 /// The smallest and largest coordinates; inverted when there are none.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,12 +102,13 @@ mod tests {
     #[test]
     fn only_far_meshes_are_moved() {
         assert_eq!(origin(-1.0, 0.0), 0.0);
-        assert_eq!(origin(15.5, 16.5), 0.0);
-        assert_eq!(origin(16.5, 17.5), 0.0, "nearer to 0 than to the first multiple of 64");
+        assert_eq!(origin(0.0, 1.0), 0.0);
+        assert_eq!(origin(0.25, 1.25), 0.0, "nearer to 0 than to the first multiple of 2");
+        assert_eq!(origin(16.5, 17.5), 18.0);
         assert_eq!(origin(1e6, 1e6 + 1.0), 1e6);
-        assert_eq!(origin(1e6 + 30.0, 1e6 + 31.0), 1e6);
-        assert_eq!(origin(1e6 + 40.0, 1e6 + 41.0), 1e6 + 64.0);
-        assert_eq!(origin(5.0, 5.0), 0.0, "the other axes have extent 1");
+        assert_eq!(origin(1e6 + 0.25, 1e6 + 1.25), 1e6);
+        assert_eq!(origin(1e6 + 1.0, 1e6 + 2.0), 1e6 + 2.0);
+        assert_eq!(origin(0.5, 0.5), 0.0, "the other axes have extent 1");
     }
 
     #[test]
