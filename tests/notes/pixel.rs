@@ -61,7 +61,7 @@ fn means_of_unbiased_rules_are_the_integral() {
         "\"sampler\"",
         "\"random\"",
         "\"importance\"",
-        "{ type = \"stratified\", grid = [5, 3], per_cell = 3 }",
+        "{ type = \"stratified\", grid = [5, 3], per_cell = 4 }",
         "{ type = \"stratified\", grid = [3, 2], per_cell = 8 }",
         "{ type = \"nonuniform\", grid = [4, 3], per_cell = 2 }",
     ];
