@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn near_scenes_keep_the_files_coordinates_and_their_memory() {
         let mesh = tetrahedron();
-        let extent = Extent::EMPTY.add(&mesh.bounds(), DVec3::new(10.0, 0.0, 0.0), &Transform::IDENTITY);
+        let extent = Extent::EMPTY.add(&mesh.bounds(), DVec3::new(0.25, 0.0, 0.0), &Transform::IDENTITY);
         assert_eq!(extent.origin(), DVec3::ZERO);
         let before = mesh.positions.as_ptr();
         let placed = place(mesh, DVec3::ZERO, DVec3::ZERO, &Transform::IDENTITY, NormalsMode::File).unwrap();

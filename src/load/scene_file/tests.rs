@@ -116,7 +116,7 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         ("[film]\nfilter = \"gaus\"", 2, 10, &["did you mean \"gaussian\"?"]),
         ("[film]\nfilter = { type = \"tent\", sigma = 1 }", 2, 27, &["unknown key \"sigma\" in film.filter"]),
         ("[film]\nfilter = 3", 2, 10, &["a name or a table"]),
-        ("[film]\nquantity = \"flow\"", 2, 12, &["unknown quantity", "did you mean \"flux\""]),
+        ("[film]\nquantity = \"flx\"", 2, 12, &["unknown quantity", "did you mean \"flux\""]),
         ("[film]\nsize = [8, 8]\ncrop = [4, 4, 5, 1]", 3, 8, &["inside the 8x8 picture"]),
         ("[camera]\nfov = 0", 2, 7, &["from 0.001 to 179.9"]),
         ("[camera]\nfov = nan", 2, 7, &["not NaN"]),
