@@ -438,8 +438,8 @@ fn a14_every_prefix_is_safe() {
 
 #[test]
 fn a15_more_elements_than_indices_address_are_refused() {
-    assert!(assemble::check_limit("vertices", (1 << 32) / 3).is_ok());
-    let e = assemble::check_limit("vertices", (1 << 32) / 3 + 1).unwrap_err().to_string();
+    assert!(refuse::check_limit("vertices", (1 << 32) / 3).is_ok());
+    let e = refuse::check_limit("vertices", (1 << 32) / 3 + 1).unwrap_err().to_string();
     assert!(e.contains("1431655765 vertices"), "{e}");
 }
 
