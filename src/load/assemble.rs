@@ -6,7 +6,7 @@ use super::object::{self, Object};
 use super::place::{Extent, NormalsMode, Transform, place, rename_materials};
 use super::scene_file::{LightPlan, MaterialPatch, MeshPlan, Plan};
 use super::{Loaded, Options, cancelled};
-use crate::error::{Error, Finding, Findings, Result, Severity, show_path, unknown_word_advice};
+use crate::error::{Error, Finding, Findings, Result, Severity, nearest, show_path, unknown_word_advice};
 use crate::light::{Directional, Light, Point, Sphere};
 use crate::math::{DVec3, Rgb};
 use crate::scene::{IntegratorKind, Scene};
@@ -50,7 +50,10 @@ pub(super) fn assemble(plan: Plan<'_>, input: &Path, options: &Options<'_>) -> R
             file: input.to_path_buf(),
             line: field.line(),
             kind: "material-not-used",
-            message: format!("no mesh has the material \"{name}\""),
+            message: match nearest(name, palette.specs.iter().map(|spec| spec.name.as_str())) {
+                Some(meant) => format!("no mesh has the material \"{name}\"; did you mean \"{meant}\"?"),
+                None => format!("no mesh has the material \"{name}\""),
+            },
             severity: Severity::Note,
         });
     }
