@@ -45,12 +45,21 @@ pub struct Report {
     pub emitting_triangles: u64,
     /// The mesh files, one entry a file.
     pub meshes: Vec<MeshReport>,
-    /// The materials that faces may have.
+    /// Of a mesh: every name after `usemtl`, in the order they first appear, whether faces have it or a library
+    /// defines it or not; the empty name is the material of faces before any `usemtl`. What a library defines and
+    /// no `usemtl` names is not here, only counted ([`MeshReport::library_materials`]). Of a scene: its materials.
     pub materials: Vec<MaterialReport>,
     /// Every texture that the materials' libraries state.
     pub textures: Vec<TextureReport>,
     /// What is wrong or worth knowing.
     pub findings: Findings,
+}
+
+impl Report {
+    /// How many of the materials some triangle has.
+    pub fn materials_in_use(&self) -> usize {
+        self.materials.iter().filter(|m| m.triangles > 0).count()
+    }
 }
 
 pub(crate) fn out_of_memory() -> Error {
@@ -79,6 +88,7 @@ fn read(file: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<(Object,
         check_mesh(file, &object.mesh, object.origin, lines, object.counts).map_err(|e| e.at(file))?;
     going_on()?;
     mesh.libraries.clone_from(&object.libraries);
+    mesh.library_materials = object.defined;
     findings.append(own);
     Ok((object, mesh, findings))
 }

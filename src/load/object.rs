@@ -23,6 +23,8 @@ pub(crate) struct Object {
     pub skipped_faces: u64,
     /// The material libraries that were read.
     pub libraries: Vec<PathBuf>,
+    /// How many names the libraries define, used or not.
+    pub defined: u64,
     /// What the libraries say, by the mesh's material ids; `None` where no library defines it.
     pub definitions: Vec<Option<MtlMaterial>>,
     /// What the file held.
@@ -65,6 +67,7 @@ pub(crate) fn read_with(file: &Path, options: &obj::ReadOptions<'_>) -> Result<O
         findings,
         skipped_faces: read.counts.skipped_faces,
         libraries: resolved.libraries,
+        defined: resolved.defined,
         definitions: resolved.materials,
         counts: read.counts,
         face_lines: read.face_lines,

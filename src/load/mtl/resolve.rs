@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 pub struct Resolved {
     /// One for each name that was asked for; `None` where no library defines it.
     pub materials: Vec<Option<MtlMaterial>>,
+    /// How many names the libraries define, asked for or not.
+    pub defined: u64,
     /// The libraries that were read, in their order.
     pub libraries: Vec<PathBuf>,
     /// What was missing, replaced or ignored; the libraries' own findings included.
@@ -31,6 +33,7 @@ pub fn resolve(obj: &Path, libraries: &[Library], names: &[Vec<u8>]) -> Resolved
         resolver.library(&library.names);
     }
     resolver.line = 0;
+    resolver.out.defined = resolver.last.len() as u64;
     for name in names {
         let material = resolver.last.get(name).cloned();
         if material.is_none() && !name.is_empty() {
@@ -116,7 +119,7 @@ impl Resolver<'_> {
 }
 
 /// A name from the OBJ, shortened for a message.
-fn shown(name: &[u8]) -> String {
+pub(in crate::load) fn shown(name: &[u8]) -> String {
     let text = String::from_utf8_lossy(name);
     let short: String = text.chars().take(100).collect();
     let dots = if short.len() < text.len() { "…" } else { "" };

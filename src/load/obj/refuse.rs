@@ -39,7 +39,9 @@ pub(super) fn check_limit(what: &str, count: u64) -> Result<()> {
 pub(super) fn fatal_error(fatal: Fatal, file: &Path, line: u64) -> Error {
     match fatal {
         Fatal::Nul => Error::new("a NUL byte: this is no text file").advise("is it really an OBJ file?"),
-        Fatal::Utf16 => Error::new("looks like UTF-16").advise("convert it to UTF-8 or plain ASCII"),
+        Fatal::Utf16 => {
+            Error::new("looks like UTF-16").advise("convert it to UTF-8: iconv -f UTF-16 -t UTF-8 IN > OUT")
+        }
         Fatal::LineTooLong => line_too_long(),
         Fatal::OutOfMemory => return no_memory(file),
     }
@@ -58,6 +60,8 @@ pub(super) fn no_faces(file: &Path, counts: &Counts, findings: &Findings) -> Err
         let first = findings.kept().filter(|f| f.line > 0).min_by_key(|f| f.line);
         let example = first.map(|f| format!("; line {}: {}", f.line, f.message)).unwrap_or_default();
         format!("all {faces} faces were skipped{example}")
+    } else if skipped == 0 {
+        format!("none of its {faces} faces has an area")
     } else {
         format!("{skipped} of {faces} faces were skipped, and the others have no area")
     };
