@@ -3,6 +3,10 @@
 //! An [`Error`] says what happened, where (file, line, column) and what to do about it, in one line.
 //! A [`Findings`] list is what went wrong without stopping the work: counted by kind, capped in length.
 
+mod words;
+
+pub use words::{lookup, name_in, nearest, unknown_word_advice};
+
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -249,41 +253,4 @@ impl Findings {
     pub fn is_empty(&self) -> bool {
         self.kinds.is_empty()
     }
-}
-
-/// "; did you mean 'x'?" material: the name in `known` that `word` most likely was meant to be.
-pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let mut best: Option<(f64, &str)> = None;
-    for candidate in known {
-        let likeness = strsim::jaro_winkler(&word.to_lowercase(), candidate);
-        if likeness > 0.75 && best.is_none_or(|(b, _)| likeness > b) {
-            best = Some((likeness, candidate));
-        }
-    }
-    best.map(|(_, name)| name)
-}
-
-/// The advice for a word that is none of `known`: a suggestion when one is near, and the whole list.
-pub fn unknown_word_advice(word: &str, known: &[&str]) -> String {
-    let list = known.join(", ");
-    match nearest(word, known.iter().copied()) {
-        Some(name) => format!("did you mean \"{name}\"? (known: {list})"),
-        None => format!("known: {list}"),
-    }
-}
-
-/// The value of `word` in a list of (name, meaning, value); `what` is what the list is of.
-///
-/// # Errors
-/// A word that is not in the list, with the one that was probably meant.
-pub fn lookup<T: Copy>(what: &str, word: &str, table: &[(&'static str, &'static str, T)]) -> Result<T> {
-    table.iter().find(|row| row.0 == word).map(|row| row.2).ok_or_else(|| {
-        let known: Vec<&str> = table.iter().map(|row| row.0).collect();
-        Error::usage(format!("unknown {what} \"{word}\"")).advise(unknown_word_advice(word, &known))
-    })
-}
-
-/// The name of a value in such a list.
-pub fn name_in<T: PartialEq>(value: &T, table: &[(&'static str, &'static str, T)]) -> &'static str {
-    table.iter().find(|row| row.2 == *value).map_or("", |row| row.0)
 }

@@ -30,6 +30,8 @@ pub struct MaterialReport {
 pub struct TextureReport {
     /// The library.
     pub library: PathBuf,
+    /// The material's name.
+    pub material: String,
     /// The statement's line.
     pub line: u64,
     /// Its key word.
@@ -115,11 +117,14 @@ pub(super) fn textures(definitions: &[Option<MtlMaterial>], findings: &mut Findi
             let opened = found.as_ref().map(|found| open_regular(&found.path).map(|_| ()));
             let (file, line) = (material.library.clone(), texture.line);
             if let Some(Err(e)) = opened {
-                let message = format!("the file of a {key} cannot be read: {}", e.message);
+                let message =
+                    format!("{}: the file of its {key} cannot be read: {}", material.title(), e.message);
                 let (kind, severity) = ("texture-unreadable", Severity::Warning);
                 findings.push(Finding { file: file.clone(), line, kind, message, severity });
             }
-            reports.push(TextureReport { library: file, line, key, path: found.map(|found| found.path) });
+            let (material, path) =
+                (String::from_utf8_lossy(&material.name).into_owned(), found.map(|f| f.path));
+            reports.push(TextureReport { library: file, material, line, key, path });
         }
     }
     reports

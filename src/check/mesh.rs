@@ -55,6 +55,8 @@ pub struct MeshReport {
     pub welded: Topology,
     /// The material libraries that were read.
     pub libraries: Vec<PathBuf>,
+    /// How many names they define, whether a `usemtl` names them or not.
+    pub library_materials: u64,
 }
 
 /// Beyond this a coordinate in metres is more likely a mistake in units or a map's: 1000 km.
@@ -99,6 +101,7 @@ pub fn check_mesh(
         by_index,
         welded,
         libraries: Vec::new(),
+        library_materials: 0,
     };
     let mut writer = Writer { file, lines, findings: Findings::default() };
     if is_empty {
@@ -112,12 +115,13 @@ pub fn check_mesh(
 
 fn empty_message(counts: &Counts) -> String {
     let Counts { faces, skipped_faces, .. } = counts;
-    match faces {
-        0 => "there is nothing to render: not one `f` statement".to_string(),
-        _ => format!(
-            "there is nothing to render: {skipped_faces} of {faces} faces were skipped, the others have no area"
-        ),
-    }
+    let why = match (faces, skipped_faces) {
+        (0, _) => "not one `f` statement".to_string(),
+        (_, 0) => format!("none of the {faces} faces has an area"),
+        (faces, skipped) if faces == skipped => format!("all {faces} faces were skipped"),
+        (faces, skipped) => format!("{skipped} of {faces} faces were skipped, the others have no area"),
+    };
+    format!("there is nothing to render: {why}")
 }
 
 /// Findings about edges, each at the first face that has it.

@@ -45,12 +45,21 @@ pub struct Report {
     pub emitting_triangles: u64,
     /// The mesh files, one entry a file.
     pub meshes: Vec<MeshReport>,
-    /// The materials that faces may have.
+    /// Of a mesh: every name after `usemtl`, in the order they first appear, whether faces have it or a library
+    /// defines it or not; the empty name is the material of faces before any `usemtl`. What a library defines and
+    /// no `usemtl` names is not here, only counted ([`MeshReport::library_materials`]). Of a scene: its materials.
     pub materials: Vec<MaterialReport>,
     /// Every texture that the materials' libraries state.
     pub textures: Vec<TextureReport>,
     /// What is wrong or worth knowing.
     pub findings: Findings,
+}
+
+impl Report {
+    /// How many of the materials some triangle has.
+    pub fn materials_in_use(&self) -> usize {
+        self.materials.iter().filter(|m| m.triangles > 0).count()
+    }
 }
 
 pub(crate) fn out_of_memory() -> Error {
@@ -67,10 +76,14 @@ pub fn check(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Re
     if load::is_mesh(input)? { check_object(input, progress) } else { check_scene(input, progress) }
 }
 
-/// A mesh file and what it shows of itself.
-fn read(file: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<(Object, MeshReport, Findings)> {
+/// A mesh file and what it shows of itself. `defined`: the materials that need no library.
+fn read(
+    file: &Path,
+    progress: &(dyn Fn(f64) -> bool + Sync),
+    defined: &dyn Fn(&[u8]) -> bool,
+) -> Result<(Object, MeshReport, Findings)> {
     let options = ReadOptions { progress, keep_empty: true, face_lines: true, ..ReadOptions::default() };
-    let mut object = object::read_with(file, &options)?;
+    let mut object = object::read_with(file, &options, defined)?;
     let mut findings = std::mem::take(&mut object.findings);
     let going_on = || if progress(1.0) { Ok(()) } else { Err(load::cancelled()) };
     going_on()?;
@@ -79,12 +92,13 @@ fn read(file: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<(Object,
         check_mesh(file, &object.mesh, object.origin, lines, object.counts).map_err(|e| e.at(file))?;
     going_on()?;
     mesh.libraries.clone_from(&object.libraries);
+    mesh.library_materials = object.defined;
     findings.append(own);
     Ok((object, mesh, findings))
 }
 
 fn check_object(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
-    let (object, mesh, mut findings) = read(input, progress)?;
+    let (object, mesh, mut findings) = read(input, progress, &|_| false)?;
     let uses = materials::uses([&object.mesh], object.materials.len());
     let textures = materials::textures(&object.definitions, &mut findings);
     let materials = materials::of_object(&object, &uses);
@@ -120,13 +134,15 @@ fn check_scene(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<
         textures: Vec::new(),
         findings: Findings::default(),
     };
-    // The meshes' own findings come again, with lines, when their files are looked at one by one.
-    let of_scene: Vec<Finding> = loaded.findings.kept().filter(|f| f.file == input).cloned().collect();
+    // The meshes' own findings come again, with lines, when their files are looked at one by one; but which
+    // materials nobody defines only the scene knows.
+    let is_of_scene = |f: &&Finding| f.file == input || f.kind == "material-unknown";
+    let of_scene: Vec<Finding> = loaded.findings.kept().filter(is_of_scene).cloned().collect();
     of_scene.into_iter().for_each(|finding| report.findings.push(finding));
     let files: Vec<PathBuf> = loaded.files.iter().take(loaded.mesh_files).cloned().collect();
     drop(loaded);
     for file in files {
-        let (object, mesh, findings) = read(&file, progress)?;
+        let (object, mesh, findings) = read(&file, progress, &|_| true)?;
         report.findings.append(findings);
         report.textures.append(&mut materials::textures(&object.definitions, &mut report.findings));
         materials::name_places(&mut report.materials, &object);

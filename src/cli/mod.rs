@@ -70,7 +70,7 @@ fn parse() -> Result<Option<Cli>, Error> {
     match parsed {
         Ok(cli) => Ok(Some(cli)),
         Err(e) if !e.use_stderr() => write_stdout(&e.render().to_string()).map(|()| None),
-        Err(e) => Err(words::usage_error(&e)),
+        Err(e) => Err(words::usage_error(&e, std::env::args_os().skip(1))),
     }
 }
 

@@ -14,6 +14,7 @@ use drt::load::{self, Loaded};
 use drt::math::isa::Isa;
 use drt::output::{self, ToneMap};
 use drt::render::{self, Hooks, Progress, Rendering};
+use drt::scene::Settings;
 use std::path::PathBuf;
 
 /// Everything that the words say, checked.
@@ -186,6 +187,21 @@ impl Job {
             return Err(strict_error(findings));
         }
         self.console.findings(findings);
+        self.judge_layers(&loaded.settings)
+    }
+
+    /// Layers that no output can hold would be lost without a word.
+    fn judge_layers(&self, settings: &Settings) -> Result<()> {
+        let holds_layers = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+        if settings.aovs.is_empty() || self.outputs.iter().any(holds_layers) {
+            return Ok(());
+        }
+        let lost = Error::usage("layers were asked for (film.aov), and only .exr outputs have them")
+            .advise("add -o NAME.exr, or leave them out");
+        if self.args.strict {
+            return Err(lost);
+        }
+        self.console.say(&format!("warning: {lost}"));
         Ok(())
     }
 

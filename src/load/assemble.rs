@@ -6,7 +6,7 @@ use super::object::{self, Object};
 use super::place::{Extent, NormalsMode, Transform, place, rename_materials};
 use super::scene_file::{LightPlan, MaterialPatch, MeshPlan, Plan};
 use super::{Loaded, Options, cancelled};
-use crate::error::{Error, Finding, Result, Severity, show_path, unknown_word_advice};
+use crate::error::{Error, Finding, Result, Severity, nearest, show_path, unknown_word_advice};
 use crate::light::{Directional, Light, Point, Sphere};
 use crate::math::{DVec3, Rgb};
 use crate::scene::{IntegratorKind, Scene};
@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// Reads the meshes of `plan` and puts everything in its place. `input`: the file to name in findings.
 pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) -> Result<Loaded> {
-    let (mut files, mut objects) = read_objects(&plan.meshes, options)?;
+    let (mut files, mut objects) = read_objects(&plan, options)?;
     let mesh_files = files.paths.len();
     let mut findings = std::mem::take(&mut plan.findings);
     let mut skipped_faces = 0;
@@ -50,7 +50,10 @@ pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) 
             file: input.to_path_buf(),
             line: field.line(),
             kind: "material-not-used",
-            message: format!("no mesh has the material \"{name}\""),
+            message: match nearest(name, palette.specs.iter().map(|spec| spec.name.as_str())) {
+                Some(meant) => format!("no mesh has the material \"{name}\"; did you mean \"{meant}\"?"),
+                None => format!("no mesh has the material \"{name}\""),
+            },
             severity: Severity::Note,
         });
     }
@@ -111,7 +114,8 @@ fn check_files(meshes: &[MeshPlan<'_>]) -> Result<()> {
 }
 
 /// Reads every file once.
-fn read_objects(meshes: &[MeshPlan<'_>], options: &Options<'_>) -> Result<(Files, Vec<Option<Object>>)> {
+fn read_objects(plan: &Plan<'_>, options: &Options<'_>) -> Result<(Files, Vec<Option<Object>>)> {
+    let meshes = &plan.meshes;
     check_files(meshes)?;
     let mut paths: Vec<PathBuf> = Vec::new();
     let of_mesh = meshes.iter().map(|mesh| {
@@ -130,7 +134,11 @@ fn read_objects(meshes: &[MeshPlan<'_>], options: &Options<'_>) -> Result<(Files
             if !progress(0.0) {
                 return Err(cancelled());
             }
-            object::read(path, &progress).map(Some)
+            let is_whole = |name: &[u8]| {
+                let name = std::str::from_utf8(name).ok();
+                name.and_then(|name| plan.materials.get(name)).is_some_and(MaterialPatch::is_whole)
+            };
+            object::read(path, &progress, &is_whole).map(Some)
         })
         .collect();
     Ok((Files { paths, of_mesh }, objects?))

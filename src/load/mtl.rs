@@ -7,6 +7,7 @@
 mod resolve;
 mod texture;
 
+pub(super) use resolve::shown;
 pub use resolve::{Resolved, resolve};
 pub use texture::{Channel, Texture, TextureOptions};
 
@@ -98,6 +99,15 @@ pub struct MtlMaterial {
 }
 
 impl MtlMaterial {
+    /// What a message calls it. Only for one that an OBJ names: the name is the OBJ's own then, and no library
+    /// is quoted.
+    pub(crate) fn title(&self) -> String {
+        match self.name.as_slice() {
+            [] => "the default material".to_string(),
+            name => format!("material \"{}\"", shown(name)),
+        }
+    }
+
     /// Every texture, with the key word that states it.
     pub fn textures(&self) -> impl Iterator<Item = (&'static str, &At<Texture>)> {
         let all = [

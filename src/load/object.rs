@@ -23,6 +23,8 @@ pub(crate) struct Object {
     pub skipped_faces: u64,
     /// The material libraries that were read.
     pub libraries: Vec<PathBuf>,
+    /// How many names the libraries define, used or not.
+    pub defined: u64,
     /// What the libraries say, by the mesh's material ids; `None` where no library defines it.
     pub definitions: Vec<Option<MtlMaterial>>,
     /// What the file held.
@@ -32,21 +34,29 @@ pub(crate) struct Object {
 }
 
 /// Reads `file` and the material libraries that it names. `progress` hears the share done; its `false`
-/// cancels.
+/// cancels. `defined`: the materials that need no library.
 ///
 /// # Errors
 /// As [`obj::read`]; a missing library or material is a finding, and its faces are clay.
-pub(crate) fn read(file: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Object> {
-    read_with(file, &obj::ReadOptions { progress, ..obj::ReadOptions::default() })
+pub(crate) fn read(
+    file: &Path,
+    progress: &(dyn Fn(f64) -> bool + Sync),
+    defined: &dyn Fn(&[u8]) -> bool,
+) -> Result<Object> {
+    read_with(file, &obj::ReadOptions { progress, ..obj::ReadOptions::default() }, defined)
 }
 
 /// As [`read`], with the reader's options.
 ///
 /// # Errors
 /// As [`read`].
-pub(crate) fn read_with(file: &Path, options: &obj::ReadOptions<'_>) -> Result<Object> {
+pub(crate) fn read_with(
+    file: &Path,
+    options: &obj::ReadOptions<'_>,
+    defined: &dyn Fn(&[u8]) -> bool,
+) -> Result<Object> {
     let read = obj::read(file, options)?;
-    let resolved = mtl::resolve(file, &read.libraries, &read.material_names);
+    let resolved = mtl::resolve(file, &read.libraries, &read.material_names, defined);
     let mut findings = read.findings;
     findings.append(resolved.findings);
     for material in resolved.materials.iter().flatten() {
@@ -65,6 +75,7 @@ pub(crate) fn read_with(file: &Path, options: &obj::ReadOptions<'_>) -> Result<O
         findings,
         skipped_faces: read.counts.skipped_faces,
         libraries: resolved.libraries,
+        defined: resolved.defined,
         definitions: resolved.materials,
         counts: read.counts,
         face_lines: read.face_lines,

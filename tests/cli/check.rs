@@ -56,6 +56,7 @@ fn the_json_says_what_is_in_a_file_and_what_is_wrong_by_line() {
     assert_eq!(finding(&report, "mtllib-missing")["line"], 1);
     let texture = finding(&report, "texture-missing");
     assert_eq!((&texture["file"], &texture["line"]), (&"m.mtl".into(), &4.into()));
+    assert!(texture["message"].as_str().is_some_and(|m| m.contains("\"lamp\"") && m.contains("map_Ks")));
     let materials = report["materials"].as_array().unwrap();
     let about = |i: usize| (&materials[i]["name"], &materials[i]["triangles"], &materials[i]["emits"]);
     assert_eq!(about(0), (&"lamp".into(), &2.into(), &true.into()));
@@ -64,9 +65,31 @@ fn the_json_says_what_is_in_a_file_and_what_is_wrong_by_line() {
     assert_eq!(materials[1]["defined"], Value::Null);
     assert_eq!(report["textures"][0]["path"], "here.png");
     assert_eq!(report["textures"][1]["path"], Value::Null);
+    assert_eq!(report["textures"][1]["material"], "lamp");
     assert_eq!(report["finding_counts"]["material-unknown"], 1);
     assert_eq!(report["errors"], 1);
     assert!(!ended.out.contains("secret-name"), "a library is never quoted");
+}
+
+/// Named, in use, defined: three counts that differ.
+#[test]
+fn materials_are_counted_as_named_as_used_and_as_defined() {
+    let folder = folder();
+    let dir = folder.path();
+    let mesh = "mtllib three.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl a\nf 1 3 2\nusemtl b\n\
+                usemtl nowhere\nf 3 2 1\nusemtl a\nf 2 1 3\n";
+    fs::write(dir.join("m.obj"), mesh).unwrap();
+    fs::write(dir.join("three.mtl"), "newmtl a\nnewmtl b\nnewmtl c\nnewmtl d\nnewmtl a\n").unwrap();
+    let report = json(&drt(dir, &["check", "m.obj", "--json"]));
+    let materials = report["materials"].as_array().unwrap();
+    let of = |key: &str| materials.iter().map(|m| m[key].clone()).collect::<Vec<_>>();
+    assert_eq!(of("name"), ["", "a", "b", "nowhere"]);
+    assert_eq!(of("triangles"), [1, 1, 0, 1], "the second `a` repeats the first");
+    assert_eq!(of("defined").iter().map(Value::is_null).collect::<Vec<_>>(), [true, false, false, true]);
+    assert_eq!(report["materials_in_use"], 3);
+    assert_eq!(report["meshes"][0]["library_materials"], 4);
+    let page = drt(dir, &["check", "m.obj"]);
+    assert!(page.out.contains("materials (4, 3 of them in use; the libraries define 4)"), "{}", page.out);
 }
 
 #[test]

@@ -122,7 +122,18 @@ fn mistakes_on_the_command_line_say_what_to_do() {
     let table: &[(&[&str], i32, &[&str])] = &[
         (&["t.obj", "x.png"], 2, &["'x.png'", "-o before the picture's name"]),
         (&["rendr", "t.obj"], 2, &["'t.obj'", "one input at a time"]),
-        (&["t.obj", "--set", "render.spp", "4"], 2, &["'4'"]),
+        (&["t.obj", "--set", "render.spp", "4"], 2, &["'4'", "the flags' values right behind them"]),
+        (&["t.obj", "--size", "640", "480"], 2, &["'480'", "the flags' values right behind them"]),
+        (&["t.obj", "-spp", "4"], 2, &["'-spp'", "did you mean --spp?", "two dashes"]),
+        (&["t.obj", "-max-depth=4"], 2, &["did you mean --max-depth?"]),
+        (&["t.obj", "-x"], 2, &["'-x'", "drt --help"]),
+        (
+            &["t.obj", "--aov", "depth", "--strict", "-o", "x.png"],
+            2,
+            &["film.aov", ".exr", "add -o NAME.exr"],
+        ),
+        (&["t.obj", "--aov", "depht", "-o", "x.exr"], 2, &["did you mean \"depth\"?"]),
+        (&["t.obj", "--view", "tpo"], 2, &["--view", "did you mean \"top\"?"]),
         (&["t.obj", "--set", "spp=4"], 2, &["--set spp", "known:"]),
         (&["t.obj", "--size", "640"], 2, &["--size", "1920x1080"]),
         (&["t.obj", "--size", "640,480"], 2, &["--size", "1920x1080"]),
@@ -140,4 +151,22 @@ fn mistakes_on_the_command_line_say_what_to_do() {
     for (line, code, words) in table {
         drt(dir, line).expect(*code, words);
     }
+}
+
+/// What is no error and still probably not meant.
+#[test]
+fn what_would_be_lost_is_said() {
+    let folder = folder();
+    let dir = folder.path();
+    let tiny = ["--size", "8x6", "--spp", "1"];
+    let layers = drt(dir, &[&["t.obj", "--aov", "depth", "-o", "x.png"], &tiny[..]].concat());
+    layers.expect(0, &[]);
+    assert!(layers.err.starts_with("warning: layers were asked for"), "{}", layers.err);
+    let both = drt(dir, &[&["t.obj", "--aov", "depth", "-o", "x.png", "-o", "x.EXR"], &tiny[..]].concat());
+    both.expect(0, &[]);
+    assert!(both.err.starts_with("wrote"), "{}", both.err);
+    fs::write(dir.join("s.toml"), SCENE).unwrap();
+    let name = drt(dir, &["s.toml", "--set", "materials.clya.type=mirror", "-o", "x.png"]);
+    name.expect(0, &[]);
+    assert!(name.err.contains("\"clya\"; did you mean \"clay\"?"), "{}", name.err);
 }

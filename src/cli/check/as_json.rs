@@ -1,4 +1,8 @@
 //! The report as JSON. Paths and names are text; bytes that are none become U+FFFD.
+//!
+//! `materials` lists the names after `usemtl` (of a scene: its materials), `triangles` 0 where no face has one and
+//! `defined` null where no library does; `materials_in_use` counts those with triangles, a mesh's
+//! `library_materials` what its libraries define, named by the mesh or not.
 
 use drt::check::{Bounds, MaterialReport, MeshReport, Report, TextureReport, Topology};
 use drt::error::{Finding, Severity};
@@ -20,6 +24,7 @@ pub fn text(report: &Report) -> String {
         "bounds": bounds(report.bounds),
         "emitting_triangles": report.emitting_triangles,
         "materials": report.materials.iter().map(material).collect::<Vec<_>>(),
+        "materials_in_use": report.materials_in_use(),
         "textures": report.textures.iter().map(texture).collect::<Vec<_>>(),
         "meshes": report.meshes.iter().map(mesh).collect::<Vec<_>>(),
         "findings": findings.kept().map(finding).collect::<Vec<_>>(),
@@ -45,7 +50,7 @@ fn material(m: &MaterialReport) -> Value {
 }
 
 fn texture(t: &TextureReport) -> Value {
-    json!({ "file": path(&t.library), "line": t.line, "key": t.key, "path": t.path.as_deref().map(path) })
+    json!({ "file": path(&t.library), "line": t.line, "key": t.key, "material": t.material, "path": t.path.as_deref().map(path) })
 }
 
 /// `line` is 0 where no line applies.
@@ -77,6 +82,7 @@ fn mesh(m: &MeshReport) -> Value {
         "watertight": m.welded.watertight,
         "topology": topology(&m.welded),
         "topology_by_index": topology(&m.by_index),
+        "library_materials": m.library_materials,
         "libraries": m.libraries.iter().map(|file| path(file)).collect::<Vec<_>>(),
     })
 }

@@ -119,8 +119,12 @@ fn edges(t: &Topology) -> String {
 
 fn materials(page: &mut String, report: &Report) {
     let all = &report.materials;
-    let _ = writeln!(page, "\nmaterials ({})", all.len());
-    let name = |name: &str| if name.is_empty() { "(none)".to_string() } else { one_line(name) };
+    let in_use = report.materials_in_use();
+    let unused = if in_use < all.len() { format!(", {in_use} of them in use") } else { String::new() };
+    let defined: u64 = report.meshes.iter().map(|m| m.library_materials).sum();
+    let known = all.iter().filter(|m| m.defined.is_some()).count() as u64;
+    let others = if defined > known { format!("; the libraries define {defined}") } else { String::new() };
+    let _ = writeln!(page, "\nmaterials ({}{unused}{others})", all.len());
     let shown: Vec<String> = all.iter().take(ROWS).map(|m| name(&m.name)).collect();
     let width = shown.iter().map(|n| n.chars().count()).max().unwrap_or(0).clamp(12, 40);
     for (m, name) in all.iter().zip(shown) {
@@ -137,6 +141,11 @@ fn materials(page: &mut String, report: &Report) {
     more(page, all.len(), "materials");
 }
 
+/// A material's name for people.
+fn name(name: &str) -> String {
+    if name.is_empty() { "(none)".to_string() } else { one_line(name) }
+}
+
 fn textures(page: &mut String, report: &Report) {
     let all = &report.textures;
     let missing = all.iter().filter(|t| t.path.is_none()).count();
@@ -148,7 +157,14 @@ fn textures(page: &mut String, report: &Report) {
     sorted.sort_by_key(|t| t.path.is_some());
     for t in sorted.into_iter().take(ROWS) {
         let path = t.path.as_ref().map_or_else(|| "missing".to_string(), |path| show_path(path));
-        let _ = writeln!(page, "  {:<12} {path}  ({}:{})", t.key, show_path(&t.library), t.line);
+        let _ = writeln!(
+            page,
+            "  {:<12} {path}  ({}:{}, {})",
+            t.key,
+            show_path(&t.library),
+            t.line,
+            name(&t.material)
+        );
     }
     more(page, all.len(), "textures");
 }

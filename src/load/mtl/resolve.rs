@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 pub struct Resolved {
     /// One for each name that was asked for; `None` where no library defines it.
     pub materials: Vec<Option<MtlMaterial>>,
+    /// How many names the libraries define, asked for or not.
+    pub defined: u64,
     /// The libraries that were read, in their order.
     pub libraries: Vec<PathBuf>,
     /// What was missing, replaced or ignored; the libraries' own findings included.
@@ -23,17 +25,24 @@ pub struct Resolved {
 /// What follows `mtllib` is one name with spaces or several names: the former is tried first. Names are
 /// relative to the OBJ's folder; where no such file exists, one that differs in case is taken, then one of
 /// that name in the OBJ's own folder. Of several definitions of one name the last holds. Nothing here is
-/// an error: a library that cannot be read is a warning. The empty name needs no definition.
-pub fn resolve(obj: &Path, libraries: &[Library], names: &[Vec<u8>]) -> Resolved {
+/// an error: a library that cannot be read is a warning. The empty name needs no definition, nor does one that is
+/// `defined` elsewhere.
+pub fn resolve(
+    obj: &Path,
+    libraries: &[Library],
+    names: &[Vec<u8>],
+    defined: &dyn Fn(&[u8]) -> bool,
+) -> Resolved {
     let mut resolver = Resolver { obj, line: 0, out: Resolved::default(), last: HashMap::new() };
     for library in libraries {
         resolver.line = library.line;
         resolver.library(&library.names);
     }
     resolver.line = 0;
+    resolver.out.defined = resolver.last.len() as u64;
     for name in names {
         let material = resolver.last.get(name).cloned();
-        if material.is_none() && !name.is_empty() {
+        if material.is_none() && !name.is_empty() && !defined(name) {
             let message = format!("no library defines \"{}\"; the default material is used", shown(name));
             resolver.note("material-unknown", Severity::Warning, message);
         }
@@ -116,7 +125,7 @@ impl Resolver<'_> {
 }
 
 /// A name from the OBJ, shortened for a message.
-fn shown(name: &[u8]) -> String {
+pub(in crate::load) fn shown(name: &[u8]) -> String {
     let text = String::from_utf8_lossy(name);
     let short: String = text.chars().take(100).collect();
     let dots = if short.len() < text.len() { "…" } else { "" };

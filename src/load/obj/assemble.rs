@@ -1,15 +1,15 @@
 //! Blocks in the order of the file become one mesh.
 
-use super::block::{Block, FaceRun, Fatal, MAX_ELEMENTS, Materials};
-use super::cleanup::{duplicates, remove, survey};
+mod finish;
+
+use super::block::{Block, FaceRun, Materials};
 use super::corners::Corners;
-use super::faces::{Before, Known, finish_block, finish_deferred};
+use super::faces::{Before, Known, finish_block};
 use super::memory::{OutOfMemory, extend, grow, push};
 use super::notes::{Kind, Notes};
-use super::recenter::{choose_origin, recenter};
-use super::{Counts, Library, ObjFile};
+use super::refuse::{check_limit, fatal_error, no_memory};
+use super::{Counts, Library};
 use crate::error::{Error, Result};
-use crate::shape::{Attribute, FaceMaterials, Mesh, Positions};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::path::Path;
@@ -122,7 +122,7 @@ impl<'a> Assembly<'a> {
         self.counts.lines += block.lines;
         for (line, name) in block.libraries.drain(..) {
             push(&mut self.libraries, Library { line: first_line + line, names: name })
-                .map_err(|_| super::no_memory(self.file))?;
+                .map_err(|_| no_memory(self.file))?;
         }
         let materials = self.map_materials(block).map_err(|_| self.no_memory())?;
         Ok(Place { before: Before(before), first_line, materials })
@@ -215,140 +215,6 @@ impl<'a> Assembly<'a> {
         }
         Ok(())
     }
-
-    /// The mesh of everything that was added.
-    pub fn finish(mut self, keep_empty: bool) -> Result<ObjFile> {
-        self.counts.vertices = self.positions.len() as u64;
-        self.counts.normals = self.normals.len() as u64;
-        self.counts.uvs = self.uvs.len() as u64;
-        let file = self.file;
-        let origin = self.clean_up().map_err(|_| super::no_memory(file))?;
-        let findings = self.notes.into_findings(file);
-        if self.triangles.is_empty() && !keep_empty {
-            return Err(no_faces(file, &self.counts, &findings));
-        }
-        let attribute = |corners| match corners {
-            Corners::Own(list) => Some(list),
-            Corners::Absent | Corners::Same => None,
-        };
-        let normals = (self.normal_corners != Corners::Absent)
-            .then(|| Attribute { values: self.normals, indices: attribute(self.normal_corners) });
-        let uvs = (self.uv_corners != Corners::Absent)
-            .then(|| Attribute { values: self.uvs, indices: attribute(self.uv_corners) });
-        let materials = face_materials(&mut self.materials);
-        let positions = Positions::new(self.positions);
-        Ok(ObjFile {
-            mesh: Mesh { positions, indices: self.triangles, normals, uvs, materials },
-            origin,
-            material_names: self.names,
-            libraries: self.libraries,
-            findings,
-            counts: self.counts,
-            face_lines: self.lines,
-        })
-    }
-
-    /// Judges what had to wait, chooses the origin, drops what does harm.
-    fn clean_up(&mut self) -> Result<crate::math::DVec3, OutOfMemory> {
-        self.finish_deferred()?;
-        self.counts.triangles = self.triangles.len() as u64;
-        for position in self.positions.iter_mut().filter(|_| self.unusable[0]) {
-            if position[0].is_nan() {
-                *position = [0.0; 3];
-            }
-        }
-        for uv in self.uvs.iter_mut().filter(|_| self.unusable[2]) {
-            if uv[0].is_nan() {
-                *uv = [0.0; 2];
-            }
-        }
-        let mut found = survey(&self.triangles, &self.positions)?;
-        let origin = choose_origin(found.bounds, &self.triangles, &self.positions, &self.residuals);
-        if origin != crate::math::DVec3::ZERO {
-            recenter(&mut self.positions, &self.residuals, origin);
-            found = survey(&self.triangles, &self.positions)?;
-        }
-        self.residuals = Vec::new();
-        grow(&mut self.positions, Positions::PADDING)?;
-
-        self.counts.zero_area = found.without_area.len() as u64;
-        self.note_removed(Kind::FaceZeroArea, &found.without_area);
-        remove(&mut found.hashes, &found.without_area);
-        self.remove_triangles(&found.without_area);
-        let materials = face_materials(&mut self.materials);
-        let copies = duplicates(&found.hashes, &self.triangles, &self.positions, &materials)?;
-        if let FaceMaterials::PerFace(ids) = materials {
-            self.materials.per_face = ids;
-        }
-        self.counts.duplicates = copies.len() as u64;
-        self.note_removed(Kind::FaceDuplicate, &copies);
-        self.remove_triangles(&copies);
-        self.uv_corners.compress(&self.triangles);
-        self.normal_corners.compress(&self.triangles);
-        self.shrink();
-        Ok(origin)
-    }
-
-    fn finish_deferred(&mut self) -> Result<(), OutOfMemory> {
-        let known = Known {
-            positions: &self.positions,
-            residuals: &self.residuals,
-            normals: &self.normals,
-            uvs: &self.uvs,
-            unusable: self.unusable,
-            complete: true,
-        };
-        let (uvs, normals) = (&mut self.uv_corners, &mut self.normal_corners);
-        let (removed, skipped) =
-            finish_deferred(&mut self.triangles, uvs, normals, &self.deferred, &known, &mut self.notes)?;
-        self.counts.skipped_faces += skipped;
-        self.deferred = Vec::new();
-        self.remove_triangles(&removed);
-        Ok(())
-    }
-
-    /// Counts what is dropped, with its lines where they are known.
-    fn note_removed(&mut self, kind: Kind, removed: &[u32]) {
-        match &self.lines {
-            None => self.notes.add_without_line(kind, removed.len() as u64),
-            Some(lines) => {
-                for &triangle in removed {
-                    let line = lines.get(triangle as usize).copied().unwrap_or(0);
-                    self.notes.add(kind, u64::from(line), 0);
-                }
-            }
-        }
-    }
-
-    fn remove_triangles(&mut self, removed: &[u32]) {
-        remove(&mut self.triangles, removed);
-        if let Some(lines) = &mut self.lines {
-            remove(lines, removed);
-        }
-        remove(&mut self.materials.per_face, removed);
-        for corners in [&mut self.uv_corners, &mut self.normal_corners] {
-            if let Corners::Own(list) = corners {
-                remove(list, removed);
-            }
-        }
-    }
-
-    /// Gives the room for growth back.
-    fn shrink(&mut self) {
-        self.positions.shrink_to(self.positions.len() + Positions::PADDING);
-        self.normals.shrink_to_fit();
-        self.uvs.shrink_to_fit();
-        self.triangles.shrink_to_fit();
-        if let Some(lines) = &mut self.lines {
-            lines.shrink_to_fit();
-        }
-        self.materials.per_face.shrink_to_fit();
-        for corners in [&mut self.uv_corners, &mut self.normal_corners] {
-            if let Corners::Own(list) = corners {
-                list.shrink_to_fit();
-            }
-        }
-    }
 }
 
 /// Adds the lines of a block's triangles.
@@ -361,54 +227,4 @@ fn append_lines(lines: &mut Vec<u32>, block: &Block, first_line: u64) -> Result<
         }
     }
     Ok(())
-}
-
-/// Takes the materials; one for all where they are the same.
-fn face_materials(materials: &mut Materials) -> FaceMaterials {
-    let ids = std::mem::take(&mut materials.per_face);
-    match ids.first() {
-        None => FaceMaterials::Uniform(materials.uniform),
-        Some(&first) if ids.iter().all(|&id| id == first) => {
-            materials.uniform = first;
-            FaceMaterials::Uniform(first)
-        }
-        Some(_) => FaceMaterials::PerFace(ids),
-    }
-}
-
-/// Refuses more elements than indices and Embree's buffers can address.
-pub(super) fn check_limit(what: &str, count: u64) -> Result<()> {
-    if count <= MAX_ELEMENTS {
-        return Ok(());
-    }
-    Err(Error::new(format!("more than {MAX_ELEMENTS} {what} (2^32/3, 16 GiB) in one mesh"))
-        .advise("split the file into several meshes of one scene"))
-}
-
-fn fatal_error(fatal: Fatal, file: &Path, line: u64) -> Error {
-    match fatal {
-        Fatal::Nul => Error::new("a NUL byte: this is no text file").advise("is it really an OBJ file?"),
-        Fatal::Utf16 => Error::new("looks like UTF-16").advise("convert it to UTF-8 or plain ASCII"),
-        Fatal::LineTooLong => super::line_too_long(),
-        Fatal::OutOfMemory => return super::no_memory(file),
-    }
-    .at(file)
-    .line(line)
-}
-
-/// Why there is nothing to render: an empty picture would be a lie.
-fn no_faces(file: &Path, counts: &Counts, findings: &crate::error::Findings) -> Error {
-    let (faces, skipped) = (counts.faces, counts.skipped_faces);
-    let why = if counts.lines == 0 {
-        "the file is empty".to_string()
-    } else if faces == 0 {
-        format!("it has {} vertices and not one `f` statement", counts.vertices)
-    } else if skipped == faces {
-        let first = findings.kept().filter(|f| f.line > 0).min_by_key(|f| f.line);
-        let example = first.map(|f| format!("; line {}: {}", f.line, f.message)).unwrap_or_default();
-        format!("all {faces} faces were skipped{example}")
-    } else {
-        format!("{skipped} of {faces} faces were skipped, and the others have no area")
-    };
-    Error::new("no renderable faces").at(file).advise(why)
 }

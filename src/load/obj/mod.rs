@@ -35,15 +35,18 @@ mod notes;
 pub(super) mod number;
 mod parse;
 mod recenter;
+mod refuse;
 mod source;
 mod triangulate;
 
-use crate::error::{Error, Findings, Result};
+use crate::error::{Findings, Result};
 use crate::math::DVec3;
 use crate::shape::Mesh;
 use assemble::Assembly;
 use block::Block;
 use rayon::prelude::*;
+pub use refuse::cancelled;
+use refuse::{MAX_LINE_BYTES, line_too_long};
 use source::{Source, Stop};
 use std::io::Read;
 use std::path::Path;
@@ -131,11 +134,6 @@ pub struct Counts {
     pub duplicates: u64,
 }
 
-/// The error of a reading that its progress callback cancelled.
-pub fn cancelled() -> Error {
-    Error::new("reading the mesh was cancelled")
-}
-
 /// Reads the regular file `path`.
 ///
 /// # Errors
@@ -205,20 +203,6 @@ fn remove_mark(start: Option<&mut Vec<u8>>) {
     if let Some(text) = start.filter(|text| text.starts_with(MARK)) {
         text.drain(..MARK.len());
     }
-}
-
-/// The longest line that is read, in bytes; beyond it a file is no text.
-const MAX_LINE_BYTES: usize = 16 << 20;
-
-fn line_too_long() -> Error {
-    Error::new(format!("a line beyond the limit on line length, {} MiB", MAX_LINE_BYTES >> 20))
-        .advise("is it really an OBJ file?")
-}
-
-fn no_memory(file: &Path) -> Error {
-    Error::new("not enough memory for the mesh")
-        .at(file)
-        .advise("use a machine with more memory, or split the mesh")
 }
 
 #[cfg(test)]

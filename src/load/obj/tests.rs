@@ -227,7 +227,9 @@ fn a6_nothing_to_render_is_an_error_that_says_why() {
     }
     let all_bad = error(format!("{SQUARE}f 1 2\nf 1 2 77\n"));
     assert!(all_bad.contains("all 2 faces were skipped; line 5: "), "{all_bad}");
-    assert!(error(format!("{SQUARE}f 1 1 1\n")).contains("have no area"));
+    assert!(error(format!("{SQUARE}f 1 1 1\n")).ends_with("none of its 1 faces has an area"));
+    let mixed = error(format!("{SQUARE}f 1 1 1\nf 1 2 99\n"));
+    assert!(mixed.ends_with("1 of 2 faces were skipped, and the others have no area"), "{mixed}");
     let f = parse_with(b"f 1 2 3\n", &ReadOptions { keep_empty: true, ..Default::default() }).unwrap();
     assert_eq!(f.findings.count("face-index-out-of-range"), 1);
 }
@@ -438,8 +440,8 @@ fn a14_every_prefix_is_safe() {
 
 #[test]
 fn a15_more_elements_than_indices_address_are_refused() {
-    assert!(assemble::check_limit("vertices", (1 << 32) / 3).is_ok());
-    let e = assemble::check_limit("vertices", (1 << 32) / 3 + 1).unwrap_err().to_string();
+    assert!(refuse::check_limit("vertices", (1 << 32) / 3).is_ok());
+    let e = refuse::check_limit("vertices", (1 << 32) / 3 + 1).unwrap_err().to_string();
     assert!(e.contains("1431655765 vertices"), "{e}");
 }
 

@@ -157,6 +157,11 @@ fn alpha<'t>(table: &mut Section<'t>) -> Result<Option<(Field<'t>, Change)>> {
 }
 
 impl MaterialPatch<'_> {
+    /// True when it says all that a material needs, so that no library has to define it.
+    pub fn is_whole(&self) -> bool {
+        self.model.is_some()
+    }
+
     /// The material `base` with these changes.
     ///
     /// # Errors
