@@ -24,6 +24,58 @@ fn last<'a>(study: &'a Value, name: &str) -> &'a Value {
     rule(study, name)["points"].as_array().and_then(|points| points.last()).expect("a point")
 }
 
+/// The same over the hemisphere: a smooth sky, and a lamp with edges.
+#[test]
+fn integrals_over_the_hemisphere_have_the_slopes_of_theory() {
+    let dir = folder();
+    type Expected = (&'static str, f64, f64);
+    let expected: [(&str, &[Expected]); 2] = [
+        (
+            "sky",
+            &[
+                // M·N points: the grid's error is of the second order in θ alone, √N points along it.
+                ("uniform", -1.0, 0.1),
+                ("random", -0.5, 0.04),
+                ("stratified", -1.0, 0.1),
+                ("nonuniform-random", -1.0, 0.1),
+                ("importance", -0.5, 0.04),
+                ("sobol", -1.25, 0.15),
+            ],
+        ),
+        (
+            "lamp",
+            &[
+                ("random", -0.5, 0.04),
+                ("stratified", -0.75, 0.07),
+                ("nonuniform-random", -0.75, 0.07),
+                ("importance", -0.5, 0.04),
+                ("sobol", -0.75, 0.07),
+            ],
+        ),
+    ];
+    for (integral, rules) in expected {
+        let study = study(dir.path(), &[integral, "--seeds", "256"]);
+        for (name, slope, tolerance) in rules {
+            let value = rule(&study, name)["slope"]["value"].as_f64().expect("a slope");
+            assert!((value - slope).abs() < *tolerance, "{integral} {name}: {value}");
+        }
+    }
+}
+
+/// The hemisphere's rules are compared on direct light, unless more is asked for.
+#[test]
+fn the_hemisphere_is_studied_at_depth_one() {
+    let dir = folder();
+    let depth = |words: &[&str]| {
+        let words = [&["s.toml", "--max-n", "1", "--size", "8x8"][..], words].concat();
+        study(dir.path(), &words)["settings"]["max_depth"].as_u64()
+    };
+    assert_eq!(depth(&[]), Some(1));
+    assert_eq!(depth(&["--max-depth", "3"]), Some(3));
+    assert_eq!(depth(&["--set", "render.max_depth=4"]), Some(4));
+    assert_eq!(depth(&["--vary", "pixel"]), Some(16));
+}
+
 /// The orders of the notes' rules: the tolerance is some three standard deviations of 256 runs.
 #[test]
 fn built_in_integrals_have_the_slopes_of_theory() {

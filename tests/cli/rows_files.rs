@@ -1,7 +1,7 @@
 //! Rows A and B of the table of failures, through the program: hostile OBJ and MTL files.
 
 use super::universal::{Run, engines, installed, tiny};
-use super::{folder, names};
+use super::{drt, folder, names};
 use std::fs;
 use std::path::Path;
 
@@ -193,6 +193,23 @@ fn a14_prefixes_of_a_file() {
 }
 
 /// One warning a missing picture, not one a use; the render goes on, unless `--strict`.
+/// A material of the scene file needs no library; one that nobody defines is said.
+#[test]
+fn b1_a_material_of_the_scene_file_needs_no_library() {
+    let folder = folder();
+    let dir = folder.path();
+    let mesh = "usemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl b\nv 0 0 1\nf 1 2 4\n";
+    std::fs::write(dir.join("ab.obj"), mesh).unwrap();
+    let scene = "[film]\nsize = [8, 8]\n[render]\nspp = 1\n[[mesh]]\nfile = \"ab.obj\"\n\
+                 [materials.a]\ntype = \"mirror\"\n[[light]]\ntype = \"environment\"\n";
+    std::fs::write(dir.join("ab.toml"), scene).unwrap();
+    for words in [["render", "ab.toml"], ["check", "ab.toml"]] {
+        let ended = drt(dir, &words);
+        let said = format!("{}{}", ended.out, ended.err);
+        assert!(said.contains("no library defines \"b\"") && !said.contains("\"a\""), "{said}");
+    }
+}
+
 #[test]
 fn b3_a_missing_texture_is_said_once() {
     let folder = folder();
