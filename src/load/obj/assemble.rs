@@ -17,6 +17,7 @@ use std::path::Path;
 /// What has been read so far.
 pub(super) struct Assembly<'a> {
     file: &'a Path,
+    max_elements: u64,
     positions: Vec<[f32; 3]>,
     residuals: Vec<[i32; 3]>,
     normals: Vec<[f32; 3]>,
@@ -46,9 +47,10 @@ struct Place {
 }
 
 impl<'a> Assembly<'a> {
-    pub fn new(file: &'a Path, keep_lines: bool) -> Self {
+    pub fn new(file: &'a Path, max_elements: u64, keep_lines: bool) -> Self {
         Assembly {
             file,
+            max_elements,
             positions: Vec::new(),
             residuals: Vec::new(),
             normals: Vec::new(),
@@ -136,7 +138,7 @@ impl<'a> Assembly<'a> {
     }
 
     fn check_limit(&self, what: &str, count: usize) -> Result<()> {
-        check_limit(what, count as u64).map_err(|e| e.at(self.file))
+        check_limit(what, count as u64, self.max_elements).map_err(|e| e.at(self.file))
     }
 
     /// The file's ids for the block's, and what holds after it.

@@ -43,7 +43,7 @@ use crate::error::{Findings, Result};
 use crate::math::DVec3;
 use crate::shape::Mesh;
 use assemble::Assembly;
-use block::Block;
+use block::{Block, MAX_ELEMENTS};
 use rayon::prelude::*;
 pub use refuse::cancelled;
 use refuse::{MAX_LINE_BYTES, line_too_long};
@@ -61,6 +61,9 @@ pub struct ReadOptions<'a> {
     pub block_bytes: usize,
     /// The longest line in bytes, continuation included, before the file is taken for something else.
     pub max_line_bytes: usize,
+    /// The most vertices, normals, texture coordinates or triangles of a mesh: at most (and by default) 2³²/3, what
+    /// indices and Embree's buffers can address.
+    pub max_elements: u64,
     /// Whether a file without any renderable face gives an empty mesh (so that its findings can be shown)
     /// instead of an error.
     pub keep_empty: bool,
@@ -74,6 +77,7 @@ impl Default for ReadOptions<'_> {
             progress: &|_| true,
             block_bytes: 1 << 20,
             max_line_bytes: MAX_LINE_BYTES,
+            max_elements: MAX_ELEMENTS,
             keep_empty: false,
             face_lines: false,
         }
@@ -155,7 +159,7 @@ pub fn read_from<R: Read + Send>(
     options: &ReadOptions<'_>,
 ) -> Result<ObjFile> {
     let mut source = Source::new(from, name, options.block_bytes, options.max_line_bytes);
-    let mut assembly = Assembly::new(name, options.face_lines);
+    let mut assembly = Assembly::new(name, options.max_elements.min(MAX_ELEMENTS), options.face_lines);
     let blocks_at_once = rayon::current_num_threads().max(1);
     let mut spare: Vec<Block> = Vec::new();
     let (mut texts, mut stop) = source.next_blocks(blocks_at_once);

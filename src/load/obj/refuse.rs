@@ -26,12 +26,13 @@ pub(super) fn no_memory(file: &Path) -> Error {
         .advise("use a machine with more memory, or split the mesh")
 }
 
-/// Refuses more elements than indices and Embree's buffers can address.
-pub(super) fn check_limit(what: &str, count: u64) -> Result<()> {
-    if count <= MAX_ELEMENTS {
+/// Refuses more elements than `limit`, [`MAX_ELEMENTS`] or less.
+pub(super) fn check_limit(what: &str, count: u64, limit: u64) -> Result<()> {
+    if count <= limit {
         return Ok(());
     }
-    Err(Error::new(format!("more than {MAX_ELEMENTS} {what} (2^32/3, 16 GiB) in one mesh"))
+    let why = if limit == MAX_ELEMENTS { " (2^32/3, 16 GiB)" } else { "" };
+    Err(Error::new(format!("more than {limit} {what}{why} in one mesh"))
         .advise("split the file into several meshes of one scene"))
 }
 

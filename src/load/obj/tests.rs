@@ -440,9 +440,29 @@ fn a14_every_prefix_is_safe() {
 
 #[test]
 fn a15_more_elements_than_indices_address_are_refused() {
-    assert!(refuse::check_limit("vertices", (1 << 32) / 3).is_ok());
-    let e = refuse::check_limit("vertices", (1 << 32) / 3 + 1).unwrap_err().to_string();
-    assert!(e.contains("1431655765 vertices"), "{e}");
+    let most = ReadOptions::default().max_elements;
+    assert_eq!(most, (1 << 32) / 3);
+    assert!(refuse::check_limit("vertices", most, most).is_ok());
+    let e = refuse::check_limit("vertices", most + 1, most).unwrap_err().to_string();
+    assert!(e.contains("1431655765 vertices (2^32/3, 16 GiB)"), "{e}");
+
+    // Each kind is counted, over all blocks; six of any are fine.
+    let good = with_square("f 1 2 3 4\nf 1 2 4\nf 2 3 4\nf 1 3 2");
+    for (text, what) in [
+        (good.clone(), None),
+        (format!("{good}v 2 0 0\nv 3 0 0\nv 4 0 0\n"), Some("vertices")),
+        (format!("{good}vt 0 0\nvt 0 0\nvt 0 0\nvt 0 0\n"), Some("texture coordinates")),
+        (format!("{good}vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\n"), Some("normals")),
+        (format!("{good}f 1 2 3\n"), Some("triangles")),
+    ] {
+        for block_bytes in [1, 16, 1 << 20] {
+            let options = ReadOptions { max_elements: 6, block_bytes, ..Default::default() };
+            let e = parse_with(text.as_bytes(), &options).err().map(|e| e.to_string());
+            let expected = what.map(|what| format!("test.obj: more than 6 {what} in one mesh; "));
+            assert_eq!(e.is_some(), expected.is_some(), "{e:?}");
+            assert!(e.unwrap_or_default().starts_with(&expected.unwrap_or_default()));
+        }
+    }
 }
 
 #[test]
