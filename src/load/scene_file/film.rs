@@ -77,10 +77,12 @@ pub(super) fn settle_grid(
     if grid.cells == OPEN.cells {
         let per_cell = grid.per_cell.max(1);
         if !settings.spp.is_multiple_of(per_cell) {
-            return Err(rule.error(format!(
-                "{} samples a pixel do not make whole cells of {per_cell} points",
-                settings.spp
-            )));
+            return Err(rule
+                .error(format!(
+                    "{} samples a pixel do not make whole cells of {per_cell} points",
+                    settings.spp
+                ))
+                .advise("say how many cells: grid = [M, N]"));
         }
         // Wider than high where it cannot be square.
         let Cells { theta: n, phi: m } = Cells::of(settings.spp / per_cell);
@@ -95,7 +97,7 @@ pub(super) fn settle_grid(
         file: file.to_path_buf(),
         line: spp.line(),
         kind: "spp-by-rule",
-        message: format!("{} points of {} make {points} samples a pixel, not {asked}", points, rule.name()),
+        message: format!("the points of {} make {points} samples a pixel, not {asked}", rule.name()),
         severity: Severity::Note,
     }))
 }

@@ -84,14 +84,17 @@ fn hemisphere(table: &mut Section<'_>, rule: &mut HemisphereRule) -> Result<()> 
 fn directions(field: &Field<'_>) -> Result<Directions> {
     let what =
         "a list with an entry for every depth: [M, N] cells in theta and phi, or a number of directions";
+    if let Ok(count) = field.integer32(1..=Fan::MOST) {
+        return Directions::new(&[Cells::of(count)]);
+    }
     let mut cells = Vec::new();
     for entry in field.list(what)? {
-        cells.push(match entry.integer32(1..=Fan::MOST) {
-            Ok(count) => Cells::of(count),
-            Err(_) => {
-                let [theta, phi] = entry.integers(1..=Fan::MOST).map_err(|e| e.advise(what))?;
-                Cells { theta, phi }
-            }
+        cells.push(if entry.list("").is_ok() {
+            let [theta, phi] = entry.integers(1..=Fan::MOST).map_err(|e| e.advise(what))?;
+            Cells { theta, phi }
+        } else {
+            let count = entry.integer32(1..=Fan::MOST);
+            Cells::of(count.map_err(|e| e.advise("or [M, N] cells in theta and phi"))?)
         });
     }
     Directions::new(&cells).map_err(|e| field.locate(e))

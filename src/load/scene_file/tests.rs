@@ -95,6 +95,51 @@ intensity = [1, 2, 3]
     .unwrap();
 }
 
+/// The rules of the notes, in all their spellings.
+#[test]
+fn rules_of_integration_are_read() {
+    use crate::film::{PixelRule, rule::Grid};
+    use crate::quadrature::hemisphere::{Cells, HemisphereRule, Measure};
+    use crate::scene::Quantity;
+    let settings = |text: &str, set: &[&str]| {
+        let mut read = None;
+        with(text, set, |plan| read = Some((plan.settings.clone(), plan.findings.count("spp-by-rule"))))
+            .unwrap();
+        read.unwrap()
+    };
+    let grid = |cells, per_cell| Grid { cells, per_cell };
+    let (s, notes) =
+        settings("[film]\nquantity = \"flux\"\nrule = { type = \"uniform\", grid = [3, 2] }", &[]);
+    assert_eq!((s.quantity, s.rule, s.spp), (Quantity::Flux, PixelRule::Uniform(grid([3, 2], 0)), 6));
+    assert_eq!(notes, 0, "nobody asked for another number of samples");
+    let (s, notes) =
+        settings("[render]\nspp = 9", &["film.rule={ type = \"stratified\", grid = [2, 2], per_cell = 5 }"]);
+    assert_eq!((s.rule, s.spp, notes), (PixelRule::Stratified(grid([2, 2], 5)), 20, 1));
+    let (s, notes) = settings("[render]\nspp = 8", &["film.rule=nonuniform"]);
+    assert_eq!((s.rule, s.spp, notes), (PixelRule::Nonuniform(grid([4, 2], 0)), 8, 0));
+    let (s, _) = settings("[render]\nspp = 8", &["film.rule=importance"]);
+    assert_eq!((s.rule, s.spp), (PixelRule::Importance, 8));
+
+    let integrator = |set: &[&str]| match settings("", set).0.integrator {
+        IntegratorKind::Distribution { rule, directions } => {
+            (rule, directions.cells().iter().map(|c: &Cells| (c.theta, c.phi)).collect::<Vec<_>>())
+        }
+        other => panic!("{other:?}"),
+    };
+    let word = "render.integrator=distribution";
+    assert_eq!(integrator(&[word]), (HemisphereRule::Importance, vec![(4, 4), (1, 1)]));
+    let mixed = integrator(&[word, "render.max_depth=3", "render.integrator.directions=[[8, 8], 8, 1]"]);
+    assert_eq!(mixed.1, [(8, 8), (2, 4), (1, 1)]);
+    assert_eq!(integrator(&[word, "render.max_depth=2", "render.integrator.directions=12"]).1, [(3, 4)]);
+    let jittered = integrator(&[
+        word,
+        "render.integrator={ type = \"distribution\", rule = \"nonuniform\", per_cell = 2 }",
+    ]);
+    assert_eq!(jittered.0, HemisphereRule::Nonuniform { per_cell: 2 });
+    let solid = integrator(&[word, "render.integrator.rule=random", "render.integrator.measure=solid-angle"]);
+    assert_eq!(solid.0, HemisphereRule::Random { measure: Measure::SolidAngle });
+}
+
 /// Text, line, column, and words that the message must hold.
 #[test]
 fn every_error_has_its_line_and_column_and_says_what_is_possible() {
@@ -116,6 +161,40 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         ("[film]\nfilter = \"gaus\"", 2, 10, &["did you mean \"gaussian\"?"]),
         ("[film]\nfilter = { type = \"tent\", sigma = 1 }", 2, 27, &["unknown key \"sigma\" in film.filter"]),
         ("[film]\nfilter = 3", 2, 10, &["a name or a table"]),
+        ("[film]\nrule = \"unifrm\"", 2, 8, &["unknown pixel rule", "did you mean \"uniform\""]),
+        ("[film]\nrule = { type = \"random\", grid = [2, 2] }", 2, 27, &["unknown key \"grid\""]),
+        ("[film]\nrule = { type = \"uniform\", grid = [0, 2] }", 2, 36, &["from 1 to"]),
+        ("[film]\nrule = { type = \"uniform\", grid = [3000, 3000] }", 2, 8, &["9000000 points"]),
+        (
+            "[film]\nrule = { type = \"stratified\", per_cell = 3 }\n[render]\nspp = 16",
+            2,
+            8,
+            &["whole cells of 3", "grid = [M, N]"],
+        ),
+        (
+            "[render]\nintegrator = { type = \"distribution\", directions = [0] }",
+            2,
+            53,
+            &["from 1 to 65536", "[M, N]"],
+        ),
+        (
+            "[render]\nintegrator = { type = \"distribution\", directions = [[8]] }",
+            2,
+            53,
+            &["a list of 2 whole numbers"],
+        ),
+        (
+            "[render]\nintegrator = { type = \"distribution\", rule = \"random\", per_cell = 2 }",
+            2,
+            56,
+            &["unknown key \"per_cell\""],
+        ),
+        (
+            "[render]\nintegrator = { type = \"distribution\", rule = \"random\", directions = [[8, 8]] }",
+            2,
+            14,
+            &["1e9 rays", "end with 1"],
+        ),
         ("[film]\nquantity = \"flx\"", 2, 12, &["unknown quantity", "did you mean \"flux\""]),
         ("[film]\nsize = [8, 8]\ncrop = [4, 4, 5, 1]", 3, 8, &["inside the 8x8 picture"]),
         ("[camera]\nfov = 0", 2, 7, &["from 0.001 to 179.9"]),
