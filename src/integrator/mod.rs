@@ -11,6 +11,7 @@
 mod ao;
 mod context;
 mod distribution;
+mod lanes;
 mod normals;
 mod path;
 mod stats;

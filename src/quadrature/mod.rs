@@ -16,6 +16,7 @@
 //! | [`importance`] | (20) | N^−½, times a factor that the density decides; 0 for the perfect one |
 
 mod density;
+mod fan;
 pub mod hemisphere;
 mod one_d;
 mod regions;
