@@ -111,6 +111,15 @@ fn two_cubes_that_share_an_edge_are_not_manifold_there() {
 }
 
 #[test]
+fn three_pages_of_a_book_are_not_manifold_at_its_spine() {
+    let positions = vec![[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
+    let (book, findings) = report((positions, vec![[0, 1, 2], [0, 1, 3], [0, 1, 4]]));
+    assert_eq!((book.welded.non_manifold_edges, book.welded.mixed_edges), (1, 0));
+    assert_eq!((book.welded.boundary_edges, book.welded.watertight), (6, false));
+    assert_eq!(lines_of(&findings, "edge-non-manifold"), [1]);
+}
+
+#[test]
 fn a_turned_face_is_named_by_its_line() {
     let (positions, mut triangles) = cube();
     triangles[7].swap(1, 2);
@@ -238,6 +247,26 @@ fn large_meshes_agree_with_a_plain_count() {
         let mixed = |f: u32, t: u32| edges[&[f.min(t), f.max(t)]].contains(&2);
         assert!(mixed(a, b) || mixed(b, c) || mixed(c, a), "line {line}");
     }
+}
+
+/// A turned triangle beyond the first chunk: each of its edges is named by the first face that has it.
+#[test]
+fn faces_of_later_chunks_are_named_by_their_lines() {
+    let n = 300u32;
+    let positions = (0..n * n).map(|i| [(i % n) as f32, (i / n) as f32, 0.0]).collect();
+    let corners = (0..n * (n - 1)).filter(|a| a % n + 1 < n);
+    let mut triangles: Vec<_> =
+        corners.flat_map(|a| [[a, a + 1, a + n + 1], [a, a + n + 1, a + n]]).collect();
+    let turned = 2 * 70_000 + 1;
+    assert!(turned > 2 * topology::CHUNK && triangles.len() > turned);
+    triangles[turned].swap(1, 2);
+    let (grid, findings) = report((positions, triangles));
+    assert_eq!(grid.welded.mixed_edges, 3);
+    let mut lines = lines_of(&findings, "winding-mixed");
+    lines.sort_unstable();
+    // To the left the square before it, along the diagonal its own square's other half, below itself.
+    let line = turned as u64 + 1;
+    assert_eq!(lines, [line - 3, line - 1, line]);
 }
 
 /// Lines come with every triangle, whatever was skipped, split, deferred or dropped, at any block size.

@@ -270,9 +270,15 @@ fn a7_nul_and_utf16_are_named() {
     ] {
         assert!(error(utf16).contains("looks like UTF-16"));
     }
-    for (line, text) in
-        [(1, "v 0\0 0 0\n"), (2, "v 0 0 0\n# \0\n"), (1, "usemtl a\0b"), (3, "\n\r\nfoo\0"), (1, "mtllib \0")]
-    {
+    for (line, text) in [
+        (1, "v 0\0 0 0\n"),
+        (2, "v 0 0 0\n# \0\n"),
+        (1, "usemtl a\0b"),
+        (3, "\n\r\nfoo\0"),
+        (1, "mtllib \0"),
+        (1, "v \0\n\0 f"),
+        (1, "# \0\r\0 f"),
+    ] {
         let text = format!("{text}{SQUARE}f 1 2 3\n");
         let message = error(&text);
         assert!(message.starts_with(&format!("test.obj:{line}: a NUL byte")), "{message}");

@@ -78,10 +78,12 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// At a NUL: in UTF-16 every other byte of plain text is one.
+    /// At a NUL: in UTF-16 every other byte of plain text is one. Only this line is asked; the next may be in
+    /// another block.
     #[cold]
     pub(super) fn nul(&self) -> Fatal {
         match (self.peek(1), self.peek(2)) {
+            (Some(b'\n' | b'\r'), _) => Fatal::Nul,
             (Some(1..), Some(0)) => Fatal::Utf16,
             _ => Fatal::Nul,
         }
