@@ -2,7 +2,7 @@
 //!
 //! A new integral is an entry of [`INTEGRALS`]: its name, its answer, and its rules as boxed closures.
 
-use super::{Hooks, Labels, Reference, Rule, Run, Value};
+use super::{F32, F64, Hooks, Labels, Reference, Rule, Run, Value};
 use crate::error::{Error, Result, nearest};
 use crate::math::Vec3;
 use crate::quadrature::hemisphere::{Cells, Fan, HemisphereRule, Measure};
@@ -33,16 +33,13 @@ const D: f64 = 2.0;
 /// The peak's place and width.
 const PEAK: (f64, f64) = (1.3, 0.02);
 
-/// What f32 directions leave of a sum's digits.
-const F32: f64 = 1e-7;
-
 /// Every built-in integral.
 pub const INTEGRALS: &[Integral] = &[
     Integral {
         name: "smooth",
         meaning: "∫ e⁻ˣ dx over [0, 2]",
         exact: 0.864_664_716_763_387_3, // 1 − e⁻²
-        rounding: 0.0,
+        rounding: F64,
         rules: || {
             let guess = PiecewiseLinear::new(&[(0.0, 1.0), (D, 0.15)])?;
             line_rules(|x| libm::exp(-x), guess, Exponential::new(D, 1.0)?)
@@ -52,7 +49,7 @@ pub const INTEGRALS: &[Integral] = &[
         name: "step",
         meaning: "∫ f dx over [0, 2]: f = 1 up to x = 2/3, then 3",
         exact: 14.0 / 3.0,
-        rounding: 0.0,
+        rounding: F64,
         rules: || {
             // No interval of a power of two ends at D/3: the step always lies inside one, at a third of it.
             let steps = [(0.0, 1.0), (D / 3.0, 1.0), (D / 3.0, 3.0), (D, 3.0)];
@@ -64,7 +61,7 @@ pub const INTEGRALS: &[Integral] = &[
         name: "peak",
         meaning: "∫ exp(−½((x − 1.3)/0.02)²) dx over [0, 2]",
         exact: 0.050_132_565_492_620_01, // 0.02·√2π; what is cut off at 35 σ is less than 1e-268
-        rounding: 0.0,
+        rounding: F64,
         rules: || {
             // 13.8's "Gaussian distribution centered around the point we expect": expected, so not quite there.
             let guess = Gaussian::new(D, PEAK.0 + 0.01, 3.0 * PEAK.1)?;
@@ -139,7 +136,8 @@ impl Integral {
         Reference {
             description: format!("closed form, {}", self.exact),
             value: Value::number(self.exact),
-            rmse: self.rounding * self.exact,
+            rmse: 0.0,
+            rounding: self.rounding,
         }
     }
 }

@@ -14,7 +14,7 @@ mod subject;
 mod value;
 
 pub use run::run;
-pub use value::{Reference, Value};
+pub use value::{F32, F64, Reference, Value};
 
 use crate::error::{Error, Result, unknown_word_advice};
 use fit::Slope;

@@ -144,7 +144,7 @@ mod tests {
     }
 
     fn reference(rmse: f64) -> Reference {
-        Reference { description: String::new(), value: Value::number(3.0), rmse }
+        Reference { description: String::new(), value: Value::number(3.0), rmse, rounding: super::super::F64 }
     }
 
     #[test]

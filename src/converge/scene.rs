@@ -1,7 +1,7 @@
 //! Scenes: pictures rendered by the rules of a [`Subject`], and a long run as the reference.
 
 pub use super::subject::{PictureRule, Subject};
-use super::{Hooks, Labels, Plan, Reference, Rule, Run, Value};
+use super::{F32, Hooks, Labels, Plan, Reference, Rule, Run, Value};
 use crate::accel::Intersector;
 use crate::error::{Error, Result};
 use crate::math::isa::Isa;
@@ -87,14 +87,16 @@ impl<'a> Stage<'a> {
         set(&mut used, 0);
         Ok(Some(Reference {
             description: format!(
-                "{}, {} sampler, {samples} samples a pixel, seeds {} and {}",
+                "{}, {} sampler, {samples} samples {}, seeds {} and {}",
                 used.integrator.name(),
                 used.sampler.name(),
+                subject.points,
                 seeds[0],
                 seeds[1]
             ),
             rmse: 0.5 * a.value.squares(&b.value)?.mse.sqrt(),
             value: a.value.mean_with(&b.value),
+            rounding: F32,
         }))
     }
 

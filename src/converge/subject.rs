@@ -25,10 +25,14 @@ pub struct Subject {
     pub name: &'static str,
     /// What is estimated, for captions.
     pub meaning: &'static str,
+    /// Where the camera rays go, for captions.
+    pub points: &'static str,
     /// What N counts.
     pub samples: &'static str,
     /// The rules that are compared.
     pub rules: &'static [PictureRule],
+    /// True when pixels are seen at their centres alone.
+    pub is_of_centres: bool,
     /// `max_depth` where nobody asks for one; `None`: the scene's.
     pub max_depth: Option<&'static str>,
     /// Makes settings with their samples a pixel those of the reference.
@@ -67,7 +71,8 @@ const ANGLES: Measure = Measure::Angles;
 /// How the directions over a surface are chosen (13.5–13.8).
 static HEMISPHERE: Subject = Subject {
     name: "hemisphere",
-    meaning: "light over the hemisphere of the first hit",
+    meaning: "light over the hemisphere at the pixels' centres",
+    points: "through each pixel's centre",
     samples: "directions at the first hit N",
     rules: &[
         rule("uniform", "a grid of midpoints in theta and phi (18)", false, |s, n| {
@@ -101,6 +106,7 @@ static HEMISPHERE: Subject = Subject {
             directions(s, HemisphereRule::Sobol { measure: ANGLES }, n);
         }),
     ],
+    is_of_centres: true,
     max_depth: Some("1"),
     reference: |s| {
         (s.integrator, s.sampler, s.lights) = (IntegratorKind::Path, SamplerKind::Sobol, LightSampling::Mis);
@@ -122,6 +128,7 @@ const CELL: Grid = Grid { cells: [1, 1], per_cell: 0 };
 static PIXEL: Subject = Subject {
     name: "pixel",
     meaning: "light over the pixel",
+    points: "a pixel",
     samples: "points of a pixel N",
     rules: &[
         rule("uniform", "a grid of midpoints (14)", true, |s, n| points(s, PixelRule::Uniform(CELL), n)),
@@ -144,6 +151,7 @@ static PIXEL: Subject = Subject {
             s.sampler = SamplerKind::Sobol;
         }),
     ],
+    is_of_centres: false,
     max_depth: None,
     reference: |s| (s.rule, s.sampler) = (PixelRule::Sampler, SamplerKind::Sobol),
 };
@@ -151,7 +159,11 @@ static PIXEL: Subject = Subject {
 impl Subject {
     /// Name, meaning, value; the default first.
     pub const TABLE: &'static [(&'static str, &'static str, &'static Subject)] = &[
-        ("hemisphere", "N directions at the first hit, by every rule of the hemisphere", &HEMISPHERE),
+        (
+            "hemisphere",
+            "N directions at what each pixel's centre sees, by every rule of the hemisphere",
+            &HEMISPHERE,
+        ),
         ("pixel", "N points of each pixel, by every rule of the pixel", &PIXEL),
     ];
 

@@ -16,6 +16,8 @@ pub struct Reference {
     pub value: Value,
     /// The estimated RMSE of it; 0 for a closed form.
     pub rmse: f64,
+    /// Relative to the value, less than this is rounding of the results.
+    pub rounding: f64,
 }
 
 /// Mean squared differences.
@@ -69,8 +71,11 @@ impl Value {
     }
 }
 
-/// Relative to the reference's size, less than this is rounding: sums of a million f64 with room to spare.
-const ROUNDING: f64 = 1e-13;
+/// [`Reference::rounding`] of f64 numbers: sums of a million with room to spare.
+pub const F64: f64 = 1e-13;
+
+/// [`Reference::rounding`] of pictures, which are f32.
+pub const F32: f64 = 2e-7;
 
 /// A point counts for the fit when its error is so many times the reference's: at twice, what the reference adds to
 /// it is a tenth.
@@ -80,7 +85,7 @@ impl Reference {
     /// An error that is nothing but rounding.
     pub(super) fn is_rounding(&self, rmse: f64) -> bool {
         let squares: f64 = self.value.0.iter().map(|v| v * v).sum();
-        rmse <= ROUNDING * (squares / self.value.0.len() as f64).sqrt()
+        rmse <= self.rounding * (squares / self.value.0.len() as f64).sqrt()
     }
 
     /// An error that says more about the rule than about the reference.

@@ -5,7 +5,7 @@
 //! weight is h(x)·A/∫h, A the support's area; for points drawn from h it is 1.
 
 use super::filter::FilterSampler;
-use crate::error::{Result, lookup};
+use crate::error::{Error, Result, lookup};
 
 /// How the points of a pixel are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,12 +137,34 @@ pub struct PixelPoint {
 pub struct PixelPoints {
     rule: PixelRule,
     filter: FilterSampler,
+    /// Makes the mean weight of a fixed grid 1 under a filter with negative lobes, which divides by their sum.
+    scale: f32,
 }
 
 impl PixelPoints {
     /// Points of `rule` over the support of `filter`.
-    pub fn new(rule: PixelRule, filter: FilterSampler) -> PixelPoints {
-        PixelPoints { rule, filter }
+    ///
+    /// # Errors
+    /// A fixed grid whose points lie where a filter with negative lobes is negative or zero: their weights make no
+    /// mean.
+    pub fn new(rule: PixelRule, filter: FilterSampler) -> Result<PixelPoints> {
+        let mut points = PixelPoints { rule, filter, scale: 1.0 };
+        if let (true, Numbers::None, Some(grid)) = (points.is_signed(), rule.numbers(), rule.grid()) {
+            let once = u64::from(grid.cells[0]) * u64::from(grid.cells[1]);
+            let weight = |i: u64| f64::from(points.point(i as u32, [0.5; 2]).weight);
+            let mean = (0..once).map(weight).sum::<f64>() / once as f64;
+            if mean < 0.01 {
+                return Err(Error::new(format!(
+                    "the {}x{} points of the rule lie where the filter is negative or zero: their weights sum to {:.3}",
+                    grid.cells[0],
+                    grid.cells[1],
+                    mean * once as f64
+                ))
+                .advise("take more cells, or a filter without negative lobes"));
+            }
+            points.scale = (1.0 / mean) as f32;
+        }
+        Ok(points)
     }
 
     /// Where the numbers for [`PixelPoints::point`] come from.
@@ -178,14 +200,15 @@ impl PixelPoints {
     fn drawn(&self, u: [f32; 2]) -> PixelPoint {
         let offset = u.map(|u| self.filter.offset(u));
         let sign = |x| if self.filter.is_signed() { self.filter.weight(x) } else { 1.0 };
-        PixelPoint { offset, weight: sign(offset[0]) * sign(offset[1]) }
+        PixelPoint { offset, weight: sign(offset[0]) * sign(offset[1]) * self.scale }
     }
 
     /// The point at `u` of the support, weighted with h·A/∫h.
     #[inline]
     fn weighed(&self, u: [f32; 2]) -> PixelPoint {
         let offset = u.map(|u| (2.0 * u - 1.0) * self.filter.radius());
-        PixelPoint { offset, weight: self.filter.density(offset[0]) * self.filter.density(offset[1]) }
+        let weight = self.filter.density(offset[0]) * self.filter.density(offset[1]) * self.scale;
+        PixelPoint { offset, weight }
     }
 }
 

@@ -2,7 +2,7 @@ use super::*;
 use crate::film::Filter;
 
 fn points(rule: PixelRule, filter: &str) -> PixelPoints {
-    PixelPoints::new(rule, FilterSampler::new(Filter::from_name(filter).unwrap()))
+    PixelPoints::new(rule, FilterSampler::new(Filter::from_name(filter).unwrap())).unwrap()
 }
 
 /// A well-spread point of the unit square for rules that leave a choice.
@@ -96,4 +96,20 @@ fn cells_get_their_points() {
             assert_eq!(counts, [4; 15], "{} {filter}", rule.name());
         }
     }
+}
+
+/// A filter with negative lobes divides by the sum of the weights: a constant stays what it is on every grid that has
+/// a sum, and a grid without one is refused.
+#[test]
+fn grids_under_a_signed_filter_keep_constants() {
+    for (m, n) in [(2, 2), (5, 2), (4, 2), (6, 2), (7, 3), (16, 16)] {
+        for rule in [PixelRule::Uniform, PixelRule::Nonuniform] {
+            let points = points(rule(Grid { cells: [m, n], per_cell: 0 }), "mitchell");
+            let (weight, _) = mean(&points, m * n, |_| 1.0);
+            assert!((weight - 1.0).abs() < 1e-5, "{m}×{n}: {weight}");
+        }
+    }
+    let corner = PixelRule::UniformCorner(Grid { cells: [1, 1], per_cell: 0 });
+    let mitchell = FilterSampler::new(Filter::from_name("mitchell").unwrap());
+    assert!(PixelPoints::new(corner, mitchell).is_err());
 }

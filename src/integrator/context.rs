@@ -44,7 +44,7 @@ impl<'a> Context<'a> {
     /// Prepares `scene` for a picture as `settings` say.
     ///
     /// # Errors
-    /// A camera that cannot be.
+    /// A camera that cannot be, or a grid of pixel points without a weight.
     pub fn new(scene: &'a Scene, settings: &Settings) -> Result<Context<'a>> {
         let emission = |m: &Material| Emission { radiance: m.emission, two_sided: m.two_sided };
         let bounds = scene.bounds();
@@ -72,7 +72,7 @@ impl<'a> Context<'a> {
             dimensions: Dimensions::new(camera.has_lens(), has_lobes, samples_lights),
             lights,
             camera,
-            pixel: PixelPoints::new(settings.rule, FilterSampler::new(settings.filter)),
+            pixel: PixelPoints::new(settings.rule, FilterSampler::new(settings.filter))?,
             sampler: Sampler::new(settings.sampler, settings.seed, settings.spp),
             random: Sampler::new(SamplerKind::Random, settings.seed, settings.spp),
             samples_lights,

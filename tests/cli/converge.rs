@@ -504,3 +504,21 @@ fn the_second_signal_ends_a_study_at_once() {
     assert!(matches!(ended.code(), Some(130 | 143)), "{ended:?}");
     assert_eq!(names(dir), ["s.toml", "t.obj", "x.svg"], "the second signal writes nothing");
 }
+
+/// A reference that shows something else than what is studied is used, with a warning that says what it is.
+#[test]
+fn a_reference_of_something_else_is_told() {
+    let folder = folder();
+    let dir = folder.path();
+    let render = |words: &[&str]| {
+        drt(dir, &[&["s.toml", "-q"][..], words].concat()).expect(0, &[]);
+    };
+    let said = || drt(dir, &["converge", "s.toml", "--reference", "r.exr", "--max-n", "1"]).err;
+    render(&["-o", "r.exr"]);
+    assert!(said().contains("max_depth 16, and the study is with 1"), "{}", said());
+    render(&["--max-depth", "1", "-o", "r.exr"]);
+    assert!(said().contains("per_cell = SAMPLES"), "{}", said());
+    let centres = "film.rule={ type = \"uniform\", grid = [1, 1], per_cell = 8 }";
+    render(&["--max-depth", "1", "--set", centres, "-o", "r.exr"]);
+    assert!(!said().contains("warning"), "{}", said());
+}

@@ -4,7 +4,7 @@ use super::Job;
 use crate::cli::progress::Phase;
 use crate::cli::{Failure, args, machine, paths};
 use drt::converge::scene::{Stage, shrink};
-use drt::converge::{Hooks, Reference, Study, Value};
+use drt::converge::{F32, Hooks, Reference, Study, Value};
 use drt::error::{Error, Result, one_line, show_path};
 use drt::load::{self, Loaded, Override, picture};
 use drt::render::{self, Progress};
@@ -28,6 +28,9 @@ impl Job {
         self.console.findings(&loaded.findings);
         paths::check_inputs(&self.args.output, None, loaded.files.iter().map(PathBuf::as_path))?;
         self.set_size(&mut loaded, truth.as_ref())?;
+        if let Some(doubt) = truth.as_ref().and_then(|truth| self.doubt(truth, &loaded)) {
+            self.console.say(&format!("warning: --reference {doubt}"));
+        }
         let (scene, settings) = (&loaded.scene, &loaded.settings);
         machine::check_memory(machine::prediction(scene.triangles(), settings))?;
 
@@ -97,6 +100,23 @@ impl Job {
         }
     }
 
+    /// Why a reference that drt rendered is not what the study's rules tend to.
+    fn doubt(&self, truth: &Truth, loaded: &Loaded) -> Option<String> {
+        let settings: serde_json::Value = serde_json::from_str(&truth.settings).ok()?;
+        let depth = settings["render"]["max_depth"].as_u64()?;
+        if depth != u64::from(loaded.settings.max_depth) {
+            let ours = loaded.settings.max_depth;
+            return Some(format!("was rendered with max_depth {depth}, and the study is with {ours}"));
+        }
+        let rule = &settings["film"]["rule"];
+        let of_centres = rule["type"] == "uniform" && rule["grid"] == serde_json::json!([1, 1]);
+        (self.subject.is_of_centres && !of_centres).then(|| {
+            "shows whole pixels, and the study their centres: render it with film.rule = \
+             { type = \"uniform\", grid = [1, 1], per_cell = SAMPLES }"
+                .to_string()
+        })
+    }
+
     fn reference(&self, stage: &Stage<'_>) -> Result<Reference> {
         let phase = Phase::begin(self.style, "reference");
         let progress = |share| phase.show_share(share);
@@ -109,6 +129,8 @@ impl Job {
 /// The picture behind `--reference`.
 struct Truth {
     reference: Reference,
+    /// What the picture says of how it was rendered; empty where it says nothing.
+    settings: String,
     size: [u32; 2],
     crop: Option<[u32; 4]>,
 }
@@ -123,7 +145,8 @@ fn truth(path: &Path) -> Result<Truth> {
     let is_whole = image.full_size == [image.width, image.height];
     let [x, y] = image.offset;
     Ok(Truth {
-        reference: Reference { description: show_path(name), value, rmse: 0.0 },
+        settings: image.settings.clone(),
+        reference: Reference { description: show_path(name), value, rmse: 0.0, rounding: F32 },
         size: image.full_size,
         crop: (!is_whole).then_some([x, y, image.width, image.height]),
     })

@@ -3,8 +3,9 @@
 use super::reader::{Field, Section, Shorthand};
 use super::render::MOST_SPP;
 use crate::error::{Finding, Result, Severity};
+use crate::film::filter::FilterSampler;
 use crate::film::rule::Grid;
-use crate::film::{Aov, Filter, PixelRule};
+use crate::film::{Aov, Filter, PixelPoints, PixelRule};
 use crate::quadrature::hemisphere::Cells;
 use crate::scene::{Quantity, Settings};
 
@@ -50,8 +51,12 @@ fn pixel_rule(field: Field<'_>) -> Result<PixelRule> {
         Shorthand::Word(word) => return word.word(&[], PixelRule::from_name).map(|rule| rule.over(OPEN)),
         Shorthand::Table(table) => table,
     };
-    let rule = table.read("type", |f| f.word(&[], PixelRule::from_name))?;
-    let rule = rule.unwrap_or(Settings::default().rule);
+    let Some(rule) = table.read("type", |f| f.word(&[], PixelRule::from_name))? else {
+        let known: Vec<&str> = PixelRule::TABLE.iter().map(|row| row.0).collect();
+        return Err(field
+            .error(format!("{} needs a type", field.name()))
+            .advise(format!("known: {}", known.join(", "))));
+    };
     if rule.grid().is_none() {
         table.finish()?;
         return Ok(rule);
@@ -89,6 +94,7 @@ pub(super) fn settle_grid(
         settings.rule = settings.rule.over(Grid { cells: [m, n], ..grid });
         return Ok(None);
     }
+    PixelPoints::new(settings.rule, FilterSampler::new(settings.filter)).map_err(|e| rule.locate(e))?;
     let points = u32::try_from(grid.points()).ok().filter(|p| *p <= MOST_SPP).ok_or_else(|| {
         rule.error(format!("{} makes {} points a pixel, more than {MOST_SPP}", rule.name(), grid.points()))
     })?;
