@@ -80,4 +80,6 @@ pub mod compare;
 
 pub mod converge;
 
+pub mod diff;
+
 pub mod check;
