@@ -30,7 +30,7 @@ pub struct DiffArgs {
     #[arg(value_name = "MESH.obj|SCENE.toml|case-N.toml")]
     pub input: PathBuf,
 
-    /// Rays of each kind, 1 to 100000000 (100000 by default)
+    /// Rays of each kind, 1 to 100000000 (30000 by default)
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub rays: Option<String>,
 
@@ -77,7 +77,7 @@ pub fn run(args: DiffArgs) -> Result<(), Failure> {
     let threads = args.threads.as_deref().map_or_else(|| Ok(machine::threads()), threads)?;
     let style = args.progress.as_deref().map_or(Ok(Style::Auto), Style::from_name)?;
     let job = Job {
-        rays: whole("--rays", args.rays.as_deref(), 1, 100_000_000, 100_000)?,
+        rays: whole("--rays", args.rays.as_deref(), 1, 100_000_000, 30_000)?,
         threads,
         style: if args.quiet { Style::None } else { style },
         console: Console { verbosity: if args.quiet { Verbosity::Quiet } else { Verbosity::Normal } },

@@ -175,7 +175,7 @@ pub fn ask(
             let traced = Traced::of(&*accel, set);
             let compared = compare(&court, set, first.get(i).unwrap_or(&traced), &traced, index);
             outcome.tallies.push(compared.tally);
-            report.cases.extend(compared.cases);
+            report.add_cases(compared.cases);
             if index == 0 {
                 first.push(traced);
             }
@@ -215,6 +215,18 @@ impl Outcome {
             build_seconds,
             bytes,
             tallies: Vec::new(),
+        }
+    }
+}
+
+impl Report {
+    /// A ray that is known already tells nothing new: its reproducer asks everybody.
+    fn add_cases(&mut self, cases: Vec<Case>) {
+        let ray = |c: &Case| (c.o, c.d, c.tmin, c.tmax);
+        for case in cases {
+            if !self.cases.iter().any(|known| ray(known) == ray(&case)) {
+                self.cases.push(case);
+            }
         }
     }
 }

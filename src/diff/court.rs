@@ -10,10 +10,15 @@ use super::scan::{Near, Scan};
 use crate::accel::Rays;
 use crate::accel::brute::Ray64;
 use crate::accel::judge::{ACROSS, Answer, Judge, Seen, Verdict};
+use crate::accel::settle::FARTHEST;
 use crate::math::DVec3;
 use crate::shape::Mesh;
 use std::f64::consts::FRAC_PI_4;
 use std::sync::Arc;
+
+/// How far across the ray, in ε·W, the point of a settled hit may lie: settling moves the ray by up to [`FARTHEST`]
+/// roundings of an offset, which is at most 2·W.
+const REACH: f64 = 2.0 * FARTHEST + ACROSS;
 
 /// What a disagreement is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,13 +139,31 @@ impl Court {
         let Some(answer) = answer else { return !near.iter().any(|n| is_clear(ray, &n.seen)) };
         let length = ray.d.length();
         let (t, blur) = match self.judge.claim(ray, answer) {
-            Err(Verdict::Real) => return false,
+            Err(Verdict::Real) => match self.settled(ray, answer) {
+                Some(seen) => (f64::from(answer.t), REACH * seen.unit / (seen.measure.cos * length)),
+                None => return false,
+            },
             Err(_) => (f64::from(answer.t), self.size(answer) / length),
             Ok(claim) if !is_on_interval(ray, &claim.seen) => return false,
             Ok(claim) => (claim.seen.measure.t, claim.seen.blur() / length),
         };
         let is_before = |n: &Near| n.seen.measure.t + n.seen.blur() / length < t - blur;
         !near.iter().any(|n| is_clear(ray, &n.seen) && is_before(n))
+    }
+
+    /// The triangle of a hit at its border that was settled along a ray moved across by up to [`REACH`]: the point stated
+    /// is one of the triangle, and t is the distance to it.
+    fn settled(&self, ray: &Ray64, answer: Answer) -> Option<Seen> {
+        let [a, b, c] = self.corners(answer)?;
+        let seen = Seen::of(ray, [a, b, c])?;
+        let (u, v) = (f64::from(answer.u), f64::from(answer.v));
+        let offset = a * (1.0 - u - v) + b * u + c * v - ray.o;
+        let (length, reach) = (ray.d.length(), REACH * seen.unit);
+        let across = offset.cross(ray.d).length() / length;
+        let along = (offset.dot(ray.d) / length - f64::from(answer.t) * length).abs();
+        let is_inside = u.min(v).min(1.0 - u - v) * seen.diameter >= -ACROSS * seen.unit * seen.aspect;
+        let fits = seen.measure.inset.abs() <= reach && across <= reach && along <= ACROSS * seen.unit;
+        (fits && is_inside).then_some(seen)
     }
 
     /// The triangle of an answer; `None` where the ray runs along it.

@@ -8,6 +8,7 @@ use super::compare::{Answers, Case, ask};
 use super::contestants::Contestant;
 use super::court::{Class, Court};
 use super::rays::{Chunk, Kind, RaySet};
+use crate::accel::brute::Ray64;
 use crate::accel::judge::Answer;
 use crate::accel::{LANES, Mask, Rays};
 use crate::error::{Error, Result};
@@ -51,7 +52,12 @@ pub fn minimal(
     let rays = once_and_in_a_packet(case.o, case.d, case.tmin, case.tmax);
     let fails = |ids: &[[u32; 2]]| is_real(&cut(meshes, ids), &rays, &pair);
     let named = named(case);
-    let mut ids = named.clone();
+    // What the ray merely passes may have its part in it.
+    let ray = Ray64::of(&rays.chunks[0].rays, 0);
+    let mut ids: Vec<[u32; 2]> = court.scan().near(&ray).iter().map(|n| [n.mesh, n.triangle]).collect();
+    ids.extend(&named);
+    ids.sort_unstable();
+    ids.dedup();
     let mut found = fails(&ids)?;
     let mut size = 16;
     while !found && size <= MOST {
@@ -223,7 +229,9 @@ fn text(path: &Path) -> Result<String> {
 
 /// The meshes of a reproducer's OBJ file: `o`, `v` with three numbers and `f` with three indices, and nothing else.
 fn meshes(path: &Path) -> Result<Vec<Arc<Mesh>>> {
-    let mut all: Vec<(usize, Vec<[f32; 3]>, Vec<[u32; 3]>)> = Vec::new();
+    // A mesh with the number of its first vertex.
+    type Part = (usize, Vec<[f32; 3]>, Vec<[u32; 3]>);
+    let mut all: Vec<Part> = Vec::new();
     for (i, line) in text(path)?.lines().enumerate() {
         let wrong = || Error::new("not a line of a reproducer").at(path).line(i as u64 + 1);
         let words: Vec<&str> = line.split_whitespace().collect();

@@ -1,7 +1,7 @@
 //! Every triangle near a ray, measured in f64: the judge's own way to find them, shared with no backend.
 //!
-//! Triangles are sorted along a Morton curve and cut into groups of 32 with a ball around each; a group is left out
-//! when the ray's line passes its ball by more than the tolerance. That is all there is to trust.
+//! Triangles are sorted along a Morton curve and cut into groups of 32 with a ball around each, and 64 groups into a
+//! larger one; what the ray's line passes by more than the tolerance is left out. That is all there is to trust.
 
 use crate::accel::brute::{Ray64, has_area};
 use crate::accel::judge::{ACROSS, Seen};
@@ -10,7 +10,8 @@ use crate::shape::Mesh;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-const GROUP: usize = 32;
+/// Triangles in a ball, and in a large one.
+const GROUPS: [usize; 2] = [32, 32 * 64];
 
 /// A triangle that a ray passes within rounding.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +41,8 @@ struct Ball {
 /// All triangles with area.
 pub(super) struct Scan {
     triangles: Vec<Triangle>,
-    balls: Vec<Ball>,
+    /// Of the groups of both sizes.
+    balls: [Vec<Ball>; 2],
     largest: f64,
 }
 
@@ -61,7 +63,7 @@ impl Scan {
         let high = corners().fold(Vec3::NEG_INFINITY, Vec3::max);
         let largest = f64::from(low.abs().max(high.abs()).max_element());
         triangles.par_sort_unstable_by_key(|t| (morton(middle(t), low, high), t.mesh, t.triangle));
-        let balls = triangles.par_chunks(GROUP).map(ball).collect();
+        let balls = GROUPS.map(|size| triangles.par_chunks(size).map(ball).collect());
         Scan { triangles, balls, largest }
     }
 
@@ -100,8 +102,13 @@ impl Scan {
         let (o, d, length) = (ray.o, ray.d, ray.d.length());
         let is_near =
             move |ball: &Ball| (ball.center - o).cross(d).length() <= (ball.radius + slack) * length;
-        let groups = self.triangles.chunks(GROUP).zip(&self.balls);
-        groups.filter(move |(_, ball)| is_near(ball)).map(|(group, _)| group)
+        let [small, large] = &self.balls;
+        let per_large = GROUPS[1] / GROUPS[0];
+        let triangles = self.triangles.chunks(GROUPS[1]).zip(small.chunks(per_large)).zip(large);
+        triangles.filter(move |(_, ball)| is_near(ball)).flat_map(move |((part, balls), _)| {
+            let groups = part.chunks(GROUPS[0]).zip(balls);
+            groups.filter(move |(_, ball)| is_near(ball)).map(|(group, _)| group)
+        })
     }
 
     /// The `most` triangles (mesh, triangle) whose middles are nearest to `point`.
