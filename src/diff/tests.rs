@@ -272,6 +272,52 @@ fn classes_are_what_the_geometry_says() {
     assert_eq!(sliver.map(|f| f.class), Some(Class::Sliver));
 }
 
+/// Settling moves a ray at an edge across by some tens of roundings; the hit is then one of the moved ray.
+#[test]
+fn settled_hits_stand_and_wrong_distances_do_not() {
+    let steep = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 4.0]], vec![[0, 1, 2]]);
+    let court = Court::new(&[Arc::new(steep)]);
+    let chunk = &aimed::chunks([(Vec3::new(0.25, 0.0, 5.0), -Vec3::Z, 0.0, f32::INFINITY)].into_iter())[0];
+    let judge = |moved: f32, t: f32| {
+        let answer = Answer { t, u: 0.25, v: moved, mesh: 0, triangle: 0 };
+        court.closest(&chunk.rays, 0, [Some(answer), None]).map(|f| (f.class, f.wrong))
+    };
+    // ε·W is 6e-7: moved by a hundred of them, up the slope of 4.
+    assert_eq!(judge(6e-5, 5.0 - 2.4e-4), Some((Class::Edge, [false; 2])));
+    assert_eq!(judge(6e-5, 5.0 + 2.4e-4), Some((Class::Real, [true, false])));
+    assert_eq!(judge(6e-4, 5.0 - 2.4e-3), Some((Class::Real, [true, false])));
+}
+
+#[test]
+fn no_more_rays_are_recorded_than_asked_for() {
+    let (scene, settings) = scene();
+    let accel = Backend::Bvh.build(&scene.meshes, &BuildOptions::default()).unwrap();
+    for most in [1, 50, 333] {
+        for set in rays::record(&scene, &settings, &*accel, most, &|| false).unwrap().unwrap() {
+            assert!((1..=most).contains(&set.len()), "{} of {most}: {}", set.kind.name(), set.len());
+        }
+    }
+}
+
+#[test]
+fn coordinates_keep_every_bit_in_files() {
+    let corners =
+        [[0.1, -1.0 / 3.0, 1e-30], [123_456.79, f32::MIN_POSITIVE, -0.0], [1e18, 16_777_217.0, 2.5e-7]];
+    let rays = aimed::chunks([(Vec3::from(corners[0]), Vec3::from(corners[1]), 0.1, 1e18)].into_iter());
+    let meshes = vec![Arc::new(Mesh::new(corners.to_vec(), vec![[2, 0, 1]]))];
+    let made = Reproducer { meshes, rays: RaySet { kind: Kind::Replay, chunks: rays }, fails: true };
+    let folder = tempfile::TempDir::new().unwrap();
+    let read = Reproducer::read(&made.write(folder.path(), 7, "").unwrap()).unwrap().unwrap();
+    let bits = |r: &Reproducer| r.meshes[0].positions.iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>();
+    assert_eq!((bits(&read), &read.meshes[0].indices), (bits(&made), &made.meshes[0].indices));
+    let ray = |r: &Reproducer| {
+        let rays = &r.rays.chunks[0].rays;
+        [rays.o(0).to_array(), rays.d(0).to_array(), [rays.tmin[0], rays.tmax[0], 0.0]]
+            .map(|v| v.map(f32::to_bits))
+    };
+    assert_eq!(ray(&read), ray(&made));
+}
+
 #[test]
 fn shadow_rays_are_judged_by_what_is_in_their_way() {
     let court = Court::new(&square());
