@@ -25,6 +25,7 @@
 //! | how far two pictures are apart | [`compare`]: MSE, relMSE, PSNR, FLIP |
 //! | the notes' rules of integration over [0, D], and over the hemisphere | [`quadrature`] |
 //! | the notes' distRtShade | [`integrator`], `distribution.rs`; the rules for a pixel's points are in [`film::rule`] |
+//! | who is right where two intersectors disagree | [`diff`]: recorded and aimed rays, the f64 court, reproducers |
 //! | how fast a rule's error falls with the number of samples | [`converge`] |
 //!
 //! # Conventions
@@ -79,5 +80,7 @@ pub mod output;
 pub mod compare;
 
 pub mod converge;
+
+pub mod diff;
 
 pub mod check;

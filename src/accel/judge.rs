@@ -9,7 +9,7 @@
 
 use super::brute::{Brute, Measure, Ray64};
 use super::{Checked, Hits, LANES, MISS, Rays};
-use crate::math::Vec3;
+use crate::math::{DVec3, Vec3};
 use crate::shape::Mesh;
 use std::sync::Arc;
 
@@ -143,39 +143,68 @@ pub struct Judge {
     brute: Option<Brute>,
 }
 
-/// An answer with what f64 says about the triangle it names.
-struct Claim {
-    answer: Answer,
-    measure: Measure,
+/// What f64 says about a triangle that a ray passes, and how far f32 may see it displaced.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    pub(crate) measure: Measure,
     /// ε·W.
-    unit: f64,
+    pub(crate) unit: f64,
     /// How far the plane may be displaced, in multiples of [`PLANE`]: ε·W, or ε·L²/h for a triangle of length L
     /// and height h. The latter is what rounding does to the plane of a needle where a backend takes t from
     /// the normal: a cross product of edges is rounded by ε·L², which tilts a normal of length L·h by ε·L/h.
     plane: f64,
-    diameter: f64,
+    pub(crate) diameter: f64,
     /// Diameter over the least height that the ray sees. A displacement p of an edge across the ray changes
     /// barycentrics by p/height, which moves the point they stand for by up to p·diameter/height.
-    aspect: f64,
+    pub(crate) aspect: f64,
+    /// Distance of the nearest corner from the ray's line.
+    pub(crate) corner: f64,
 }
 
-impl Claim {
-    fn grazes(&self) -> bool {
+impl Seen {
+    /// Measures a triangle; `None` where the ray runs within its plane, or it has no area.
+    pub(crate) fn of(ray: &Ray64, corners: [DVec3; 3]) -> Option<Seen> {
+        let measure = Measure::of(ray, corners)?;
+        let [a, b, c] = corners;
+        let largest = [ray.o, a, b, c].iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let diameter = (b - a).length().max((c - b).length()).max((a - c).length());
+        let unit = f32::EPSILON as f64 * largest;
+        let height = (b - a).cross(c - a).length() / diameter;
+        let plane = unit.max(f32::EPSILON as f64 * diameter * diameter / height);
+        let aspect = diameter / (height * measure.cos);
+        let off = |p: DVec3| (p - ray.o).cross(ray.d).length() / ray.d.length();
+        let corner = off(a).min(off(b)).min(off(c));
+        Some(Seen { measure, unit, plane, diameter, aspect, corner })
+    }
+
+    pub(crate) fn grazes(&self) -> bool {
         self.measure.cos * self.diameter <= ACROSS * self.unit
     }
 
     /// By how much t (in units of length along the ray) is uncertain.
-    fn blur(&self) -> f64 {
+    pub(crate) fn blur(&self) -> f64 {
         PLANE * self.plane / self.measure.cos
     }
 
-    fn at_border(&self) -> bool {
+    pub(crate) fn at_border(&self) -> bool {
         self.measure.inset.abs() <= ACROSS * self.unit
     }
 
-    fn outside(&self) -> bool {
+    pub(crate) fn outside(&self) -> bool {
         self.measure.inset < -ACROSS * self.unit
     }
+
+    /// Within rounding of the interval's start or end.
+    pub(crate) fn at_an_end(&self, ray: &Ray64) -> bool {
+        let near = |end: f64| (self.measure.t - end).abs() * ray.d.length() <= self.blur();
+        near(ray.tmin) || near(ray.tmax)
+    }
+}
+
+/// An answer with what f64 says about the triangle it names.
+pub(crate) struct Claim {
+    answer: Answer,
+    pub(crate) seen: Seen,
 }
 
 impl Judge {
@@ -227,61 +256,54 @@ impl Judge {
     /// Measures an answer. An answer that is wrong on its own, whatever the other says, is an error: a triangle
     /// that does not exist or is clearly missed, a point (u, v) that is not on the ray, a distance that is not
     /// the triangle's.
-    fn claim(&self, ray: &Ray64, answer: Answer) -> Result<Claim, Verdict> {
+    pub(crate) fn claim(&self, ray: &Ray64, answer: Answer) -> Result<Claim, Verdict> {
         let mesh = self.meshes.get(answer.mesh as usize).ok_or(Verdict::Real)?;
         if answer.triangle as usize >= mesh.indices.len() {
             return Err(Verdict::Real);
         }
         let corners = mesh.triangle(answer.triangle as usize).map(|p| p.as_dvec3());
         let [a, b, c] = corners;
-        let measure = Measure::of(ray, corners).ok_or(Verdict::Graze)?;
-        let largest = [ray.o, a, b, c].iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        let diameter = (b - a).length().max((c - b).length()).max((a - c).length());
-        let unit = f32::EPSILON as f64 * largest;
-        let height = (b - a).cross(c - a).length() / diameter;
-        let plane = unit.max(f32::EPSILON as f64 * diameter * diameter / height);
-        let aspect = diameter / (height * measure.cos);
-        let claim = Claim { answer, measure, unit, plane, diameter, aspect };
-        if claim.grazes() {
+        let seen = Seen::of(ray, corners).ok_or(Verdict::Graze)?;
+        if seen.grazes() {
             return Err(Verdict::Graze);
         }
         let (u, v) = (answer.u as f64, answer.v as f64);
         let point = a * (1.0 - u - v) + b * u + c * v;
         let off = (point - ray.o).cross(ray.d).length() / ray.d.length();
-        let along = (answer.t as f64 - measure.t).abs() * ray.d.length();
+        let along = (answer.t as f64 - seen.measure.t).abs() * ray.d.length();
         let wrong =
-            claim.outside() || off > ACROSS * unit * (1.0 + claim.aspect) || along > 2.0 * claim.blur();
-        if wrong { Err(Verdict::Real) } else { Ok(claim) }
+            seen.outside() || off > ACROSS * seen.unit * (1.0 + seen.aspect) || along > 2.0 * seen.blur();
+        if wrong { Err(Verdict::Real) } else { Ok(Claim { answer, seen }) }
     }
 
     /// One says hit, the other miss.
     fn against_miss(&self, ray: &Ray64, hit: &Claim) -> Verdict {
-        if at_an_end(ray, hit) {
+        if hit.seen.at_an_end(ray) {
             return Verdict::Tie;
         }
         self.passed_by(ray, hit, f64::INFINITY)
     }
 
     fn two_triangles(&self, ray: &Ray64, a: &Claim, b: &Claim) -> Verdict {
-        let (near, far) = if a.measure.t <= b.measure.t { (a, b) } else { (b, a) };
-        let apart = (far.measure.t - near.measure.t) * ray.d.length();
-        if apart <= near.blur() + far.blur() || at_an_end(ray, near) {
+        let (near, far) = if a.seen.measure.t <= b.seen.measure.t { (a, b) } else { (b, a) };
+        let apart = (far.seen.measure.t - near.seen.measure.t) * ray.d.length();
+        if apart <= near.seen.blur() + far.seen.blur() || near.seen.at_an_end(ray) {
             return Verdict::Tie;
         }
-        self.passed_by(ray, near, (near.measure.t + far.measure.t) * 0.5)
+        self.passed_by(ray, near, (near.seen.measure.t + far.seen.measure.t) * 0.5)
     }
 
     /// The hit that the other backend did not see, though nothing before `beyond` hid it. Legitimate only
     /// where the surface has a border: if rays displaced to all sides meet a surface all the same, the other
     /// ray slipped through a crack.
     fn passed_by(&self, ray: &Ray64, hit: &Claim, beyond: f64) -> Verdict {
-        if !hit.at_border() {
+        if !hit.seen.at_border() {
             return Verdict::Real;
         }
         let Some(brute) = &self.brute else { return Verdict::Edge };
         let side = ray.d.normalize().any_orthonormal_vector();
         let other = side.cross(ray.d).normalize();
-        let radius = 2.0 * ACROSS * hit.unit;
+        let radius = 2.0 * ACROSS * hit.seen.unit;
         let surrounded = (0..8).all(|i| {
             let (sin, cos) = libm::sincos(f64::from(i) * std::f64::consts::FRAC_PI_4 + 0.2);
             let o = ray.o + (side * cos + other * sin) * radius;
@@ -291,13 +313,7 @@ impl Judge {
     }
 }
 
-/// Within rounding of the interval's start or end.
-fn at_an_end(ray: &Ray64, hit: &Claim) -> bool {
-    let near = |end: f64| (hit.measure.t - end).abs() * ray.d.length() <= hit.blur();
-    near(ray.tmin) || near(ray.tmax)
-}
-
 fn same_triangle(ray: &Ray64, a: &Claim, b: &Claim) -> Verdict {
     let apart = (a.answer.t as f64 - b.answer.t as f64).abs() * ray.d.length();
-    if apart <= a.blur() { Verdict::Same } else { Verdict::Real }
+    if apart <= a.seen.blur() { Verdict::Same } else { Verdict::Real }
 }

@@ -16,7 +16,7 @@ pub mod bvh;
 #[cfg(feature = "embree")]
 pub mod embree;
 pub mod judge;
-mod settle;
+pub(crate) mod settle;
 
 use crate::error::{Error, Result, unknown_word_advice};
 use crate::math::Vec3;

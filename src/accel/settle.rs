@@ -27,7 +27,7 @@ const ROUNDINGS: f64 = 16.0;
 const INSIDE: [f64; 3] = [1.0 / (1 << 6) as f64, 1.0 / (1 << 12) as f64, 1.0 / (1 << 18) as f64];
 
 /// How far, in roundings, the ray may be moved for that.
-const FARTHEST: f64 = 64.0;
+pub(crate) const FARTHEST: f64 = 64.0;
 
 /// How many roundings outside a triangle a ray may pass that a backend takes to meet it, with one to spare.
 const MISSED: f64 = 5.0;
@@ -114,17 +114,22 @@ fn settle_one(triangles: &impl Triangles, rays: &Rays, lane: usize, corners: [Ve
     }
 }
 
-/// The triangle that the ray passes farthest inside of, where that is not `found`.
+/// The triangle that the ray passes farthest inside of, where that is not `found`. What lies behind a triangle that is
+/// met without doubt is none: where `found` is seen edge-on, `around` reaches as far as it is long.
 fn best_met(ray: &Ray64, found: &Candidate, around: &[Candidate]) -> Option<(Candidate, Measure)> {
-    let inset = |other: &Candidate| {
+    let margin = |other: &Candidate| MISSED * rounding(ray, &other.corners);
+    let on_ray = |other: &Candidate| {
         let m = Measure::of(ray, other.corners)?;
-        let on = ray.tmin <= m.t && m.t <= ray.tmax && m.inset >= -MISSED * rounding(ray, &other.corners);
+        let on = ray.tmin <= m.t && m.t <= ray.tmax && m.inset >= -margin(other);
         on.then_some((*other, m))
     };
+    let met: Vec<(Candidate, Measure)> = around.iter().filter_map(on_ray).collect();
+    let sure = met.iter().filter(|(other, m)| m.inset > margin(other)).map(|(_, m)| m.t);
+    let end = sure.fold(f64::INFINITY, f64::min);
     let order = |x: &(Candidate, Measure), y: &(Candidate, Measure)| {
         x.1.inset.total_cmp(&y.1.inset).then(y.0.ids.cmp(&x.0.ids))
     };
-    let best = around.iter().filter_map(inset).max_by(order)?;
+    let best = met.into_iter().filter(|(_, m)| m.t <= end).max_by(order)?;
     (best.0.ids != found.ids).then_some(best)
 }
 

@@ -40,6 +40,8 @@ pub enum Command {
     Compare(super::compare::CompareArgs),
     /// Draw how fast rules of integration converge: error against the number of samples
     Converge(Box<super::converge::ConvergeArgs>),
+    /// Send the same rays through every backend and instruction set, and judge each disagreement in f64
+    DiffBackends(super::diff::DiffArgs),
 }
 
 /// The flags of `drt render`.

@@ -35,6 +35,8 @@ EXAMPLES
       what is in the file and what is wrong with it; --json for programs, --strict to fail on warnings
   drt converge scenes/cornell-box.toml -o cornell.svg
       error against the number of samples, for each way to choose them; drt converge --help lists them
+  drt diff-backends scan.obj
+      the same rays through every backend and instruction set: who differs, who is wrong, how fast each is
   drt bunny.obj -q --stats - | jq .seconds
       what took how long
 
@@ -131,6 +133,24 @@ pub fn converge() -> String {
         "{text}\nRMSE is over all pixels, colours and runs; relMSE is that of drt compare. Ctrl-C writes what is finished.\n"
     )
 }
+
+/// Below the flags of `drt diff-backends`.
+pub const DIFF: &str = "\
+WHAT THE TABLE SAYS
+  Every contestant's answers are compared with the first one's. f64 and all triangles near the ray decide:
+    tie       two triangles at one distance, or a hit within rounding of an end of the ray
+    edge      the ray passes an edge within rounding
+    vertex    the ray passes a vertex within rounding
+    graze     the ray runs along the triangle, within rounding of its plane
+    sliver    the triangle is no wider than rounding
+    real      one of the two is wrong: exit code 1, and a reproducer (case-N.toml, case-N.obj) is written
+  hit/miss counts those where one hits and the other does not, leaks those where one slips through a closed
+  surface at an edge or a vertex. Speeds are of wall time, on all threads.
+
+EXAMPLES
+  drt diff-backends scan.obj --rays 1000000 -o found
+  drt diff-backends found/case-1.toml
+";
 
 /// What `--version` prints.
 pub fn version() -> String {

@@ -5,6 +5,7 @@ mod check;
 mod compare;
 mod console;
 mod converge;
+mod diff;
 mod help;
 mod machine;
 mod panics;
@@ -66,6 +67,7 @@ pub fn main() -> ExitCode {
 fn parse() -> Result<Option<Cli>, Error> {
     let command = Cli::command().after_long_help(help::topics()).after_help(help::SHORT);
     let command = command.mut_subcommand("converge", |converge| converge.after_help(help::converge()));
+    let command = command.mut_subcommand("diff-backends", |diff| diff.after_help(help::DIFF));
     let parsed = command.try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
     match parsed {
         Ok(cli) => Ok(Some(cli)),
@@ -83,6 +85,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Some(Command::Check(check)) => check::run(&check),
         Some(Command::Compare(compare)) => Ok(compare::run(&compare)?),
         Some(Command::Converge(converge)) => converge::run(*converge),
+        Some(Command::DiffBackends(diff)) => diff::run(diff),
         None => render::run(cli.render),
     }
 }

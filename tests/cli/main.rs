@@ -2,6 +2,7 @@
 
 mod check;
 mod converge;
+mod diff;
 mod files;
 mod guide;
 mod mistakes;

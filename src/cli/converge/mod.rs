@@ -231,7 +231,7 @@ fn plan(args: &ConvergeArgs, is_integral: bool) -> Result<Plan> {
 }
 
 /// A whole number within its range.
-fn whole(flag: &str, word: Option<&str>, least: u64, most: u64, usual: u64) -> Result<u64> {
+pub fn whole(flag: &str, word: Option<&str>, least: u64, most: u64, usual: u64) -> Result<u64> {
     let Some(word) = word else { return Ok(usual) };
     word.parse().ok().filter(|n| (least..=most).contains(n)).ok_or_else(|| {
         Error::usage(format!("{flag}: must be a whole number from {least} to {most}, not \"{word}\""))
