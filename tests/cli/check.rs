@@ -186,3 +186,26 @@ fn another_reader_is_asked_where_it_is_built_in() {
         ended.expect(2, &["--features tobj"]);
     }
 }
+
+/// Where the two readers differ, it is said in what: a concave polygon, which tobj splits as a fan, and a face whose
+/// vertex is no number.
+#[test]
+#[cfg(feature = "tobj")]
+fn another_reader_that_reads_otherwise_is_named_with_lines() {
+    let folder = folder();
+    let dir = folder.path();
+    let corners = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 1 1 0\nusemtl m\n";
+    let compare = |text: &str| {
+        fs::write(dir.join("o.obj"), format!("{corners}{text}")).unwrap();
+        json(&drt(dir, &["check", "o.obj", "--against", "tobj", "--json"]))
+    };
+    let concave = compare("f 2 3 4\nf 1 2 3 4\n");
+    assert_eq!(finding(&concave, "tobj-triangle-differs")["line"], 7);
+    assert_eq!(concave["finding_counts"]["tobj-agrees"], Value::Null);
+    assert_eq!(concave["finding_counts"]["tobj-counts-differ"], Value::Null, "both have three triangles");
+    let skipped = compare("v nan 0 0\nf 1 2 4\nf 1 2 5\n");
+    let message = finding(&skipped, "tobj-counts-differ")["message"].as_str().unwrap().to_string();
+    assert!(message.contains("1 triangles here, 2 in tobj"), "{message}");
+    assert_eq!(compare("f 2 3 4\n")["finding_counts"]["tobj-agrees"], 1);
+    assert_eq!(finding(&compare("f 2 3 4\nf 0 1 2\n"), "tobj-cannot-read")["severity"], "note");
+}
