@@ -23,6 +23,7 @@
 //! | edge-on triangles (det = 0) not sorted out | rays_in_the_plane_of_triangles |
 //! | triangles without area kept | collinear_corners_are_never_hit |
 //! | inactive lanes traced | inactive_and_invalid_lanes |
+//! | weights left at 0 where Embree gives up on them | small_triangles_and_short_directions… |
 //! | hits at edges not settled; the ray moved outwards; the nearest hider not asked in turn | rays_from_… |
 //! | last triangle of a leaf lost; a split's right box taken from the left | soups, closed…, 8 more |
 //! | coinciding middles not halved | identical_triangles, unit |
@@ -180,6 +181,28 @@ fn far_from_the_origin_tiny_and_huge() {
         for mesh in [mapped(&soup(300, 1), place), mapped(&uv_sphere(12), place)] {
             let rays = random_rays(&mesh, 2000 * effort(), 3);
             agree(&format!("offset {offset} scale {scale}"), &one(mesh), &rays);
+        }
+    }
+}
+
+/// A hit's weights are its point's, however small the triangle is and however short the direction: Embree gives up on
+/// them below 1e-18.
+#[test]
+fn small_triangles_and_short_directions_keep_their_weights() {
+    for length in [1.0f32, 1e-3, 1e-6] {
+        for scale in [1.0f32, 1e-3, 1e-6, 1e-8] {
+            let mesh = one(mapped(&uv_sphere(6), |p| p * scale));
+            for (name, built) in all(&mesh) {
+                let mut rays = Rays::default();
+                let d = Vec3::new(0.31, 0.52, 0.77) * length;
+                rays.set(0, Vec3::ZERO, d, 0.0, f32::INFINITY);
+                let mut hits = Hits::default();
+                built.closest(rays.check(1), Coherence::Incoherent, &mut hits);
+                let [a, b, c] = mesh[0].triangle(hits.triangle[0] as usize);
+                let p = a * (1.0 - hits.u[0] - hits.v[0]) + b * hits.u[0] + c * hits.v[0];
+                let off = (p - d * hits.t[0]).length() / scale;
+                assert!(off < 1e-5, "{name}: off by {off} at scale {scale}, |d| {length}");
+            }
         }
     }
 }

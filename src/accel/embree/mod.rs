@@ -23,6 +23,7 @@ mod near;
 mod scene;
 mod shared;
 mod trace;
+mod weights;
 
 #[cfg(test)]
 mod tests;
@@ -103,6 +104,7 @@ impl Intersector for Embree {
         if let Geometry::Merged(merged) = &self.geometry {
             merged.name_hits(rays.active(), hits);
         }
+        weights::weigh(|hits, lane| self.hit(hits, lane), rays.rays(), rays.active(), hits);
         settle(self, rays.rays(), rays.active(), hits);
     }
 
