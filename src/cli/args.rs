@@ -1,5 +1,9 @@
 //! The words of the command line, and the scene keys that they stand for.
 
+use super::console::{Console, Verbosity};
+use super::machine;
+use super::progress::Style;
+use super::render::threads;
 use clap::{ArgAction, Args, Parser, Subcommand};
 use drt::error::{Error, Result};
 use drt::load::Override;
@@ -42,6 +46,44 @@ pub enum Command {
     Converge(Box<super::converge::ConvergeArgs>),
     /// Send the same rays through every backend and instruction set, and judge each disagreement in f64
     DiffBackends(super::diff::DiffArgs),
+}
+
+/// The flags that every study has.
+#[derive(Args)]
+pub struct StudyArgs {
+    /// Set any key of the scene file, e.g. film.filter=gaussian; repeat for several
+    #[arg(long, value_name = "KEY=VALUE", action = ArgAction::Append)]
+    pub set: Vec<String>,
+
+    /// Threads, 1 to 1024 (all by default); nothing but what was timed depends on it
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub threads: Option<String>,
+
+    /// Show progress on stderr: auto (a bar in a terminal), plain, json, none
+    #[arg(long, value_name = "STYLE")]
+    pub progress: Option<String>,
+
+    /// Say nothing but errors, and print no table
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+impl StudyArgs {
+    /// How many threads are asked for.
+    pub fn threads(&self) -> Result<usize> {
+        self.threads.as_deref().map_or_else(|| Ok(machine::threads()), threads)
+    }
+
+    /// How progress is shown.
+    pub fn style(&self) -> Result<Style> {
+        let style = self.progress.as_deref().map_or(Ok(Style::Auto), Style::from_name)?;
+        Ok(if self.quiet { Style::None } else { style })
+    }
+
+    /// What is said.
+    pub fn console(&self) -> Console {
+        Console { verbosity: if self.quiet { Verbosity::Quiet } else { Verbosity::Normal } }
+    }
 }
 
 /// The flags of `drt render`.

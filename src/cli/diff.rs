@@ -1,12 +1,13 @@
 //! `drt diff-backends INPUT`: the same rays through everybody, and who is right where they differ.
 
-use super::console::{Console, Verbosity, write_stdout};
+use super::args::StudyArgs;
+use super::console::{Console, write_stdout};
 use super::converge::whole;
+use super::machine;
 use super::progress::{Phase, Style};
-use super::render::threads;
 use super::signals::Signals;
-use super::{Failure, machine, paths};
-use clap::{ArgAction, Args};
+use super::{Failure, paths};
+use clap::Args;
 use drt::diff::court::Court;
 use drt::diff::report::{json, table};
 use drt::diff::reproducer::{Reproducer, minimal};
@@ -42,21 +43,8 @@ pub struct DiffArgs {
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
 
-    /// Set any key of the scene file, e.g. render.seed=1; repeat for several
-    #[arg(long, value_name = "KEY=VALUE", action = ArgAction::Append)]
-    pub set: Vec<String>,
-
-    /// Threads, 1 to 1024 (all by default); nothing but the speeds depends on it
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub threads: Option<String>,
-
-    /// Show progress on stderr: auto (a bar in a terminal), plain, json, none
-    #[arg(long, value_name = "STYLE")]
-    pub progress: Option<String>,
-
-    /// Say nothing but errors, and print no table
-    #[arg(short, long)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub study: StudyArgs,
 }
 
 /// Everything that the words say, checked.
@@ -74,13 +62,12 @@ struct Job {
 /// # Errors
 /// Wrong words, an input that cannot be read, an output that cannot be written; a real disagreement; a signal.
 pub fn run(args: DiffArgs) -> Result<(), Failure> {
-    let threads = args.threads.as_deref().map_or_else(|| Ok(machine::threads()), threads)?;
-    let style = args.progress.as_deref().map_or(Ok(Style::Auto), Style::from_name)?;
+    let threads = args.study.threads()?;
     let job = Job {
         rays: whole("--rays", args.rays.as_deref(), 1, 100_000_000, 30_000)?,
         threads,
-        style: if args.quiet { Style::None } else { style },
-        console: Console { verbosity: if args.quiet { Verbosity::Quiet } else { Verbosity::Normal } },
+        style: args.study.style()?,
+        console: args.study.console(),
         signals: Signals::listen()?,
         args,
     };
@@ -132,7 +119,8 @@ impl Job {
             phase.show_share(share);
             !self.signals.stop()
         };
-        let overrides = self.args.set.iter().map(|text| Override::parse(text)).collect::<Result<_>>()?;
+        let overrides =
+            self.args.study.set.iter().map(|text| Override::parse(text)).collect::<Result<_>>()?;
         load::scene(&self.args.input, load::Options { overrides, progress: &progress, ..Default::default() })
     }
 
@@ -168,7 +156,7 @@ impl Job {
         }
         if self.args.json {
             write_stdout(&format!("{value}\n"))?;
-        } else if !self.args.quiet {
+        } else if !self.args.study.quiet {
             write_stdout(&table(report))?;
         }
         self.judge(report, &files)

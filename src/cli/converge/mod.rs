@@ -2,12 +2,13 @@
 
 mod scene;
 
-use super::console::{Console, Verbosity, write_stdout};
+use super::args::StudyArgs;
+use super::console::{Console, write_stdout};
 use super::progress::{Phase, Style, duration};
-use super::render::{at_flag, threads};
+use super::render::at_flag;
 use super::signals::Signals;
-use super::{Failure, machine, paths};
-use clap::{ArgAction, Args};
+use super::{Failure, paths};
+use clap::Args;
 use drt::converge::integrals::Integral;
 use drt::converge::report::{self, Encode};
 use drt::converge::scene::{MAX_N, Subject};
@@ -64,21 +65,8 @@ pub struct ConvergeArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub max_depth: Option<String>,
 
-    /// Set any key of the scene file, e.g. film.filter=gaussian; repeat for several
-    #[arg(long, value_name = "KEY=VALUE", action = ArgAction::Append)]
-    pub set: Vec<String>,
-
-    /// Threads, 1 to 1024 (all by default); the errors do not depend on it
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub threads: Option<String>,
-
-    /// Show progress on stderr: auto (a bar in a terminal), plain, json, none
-    #[arg(long, value_name = "STYLE")]
-    pub progress: Option<String>,
-
-    /// Say nothing but errors, and print no table
-    #[arg(short, long)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub study: StudyArgs,
 }
 
 /// Everything that the words say, checked.
@@ -99,7 +87,7 @@ struct Job {
 /// # Errors
 /// Wrong words, an input that cannot be read, an output that cannot be written; a signal.
 pub fn run(args: ConvergeArgs) -> Result<(), Failure> {
-    let threads = args.threads.as_deref().map_or_else(|| Ok(machine::threads()), threads)?;
+    let threads = args.study.threads()?;
     let job = Job::new(args)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| Error::new(format!("cannot start {threads} threads: {e}")))?;
@@ -113,14 +101,13 @@ impl Job {
         if integral.is_none() && args.input.extension().is_none() && !args.input.exists() {
             return Err(Integral::unknown(&args.input.to_string_lossy()));
         }
-        let style = args.progress.as_deref().map_or(Ok(Style::Auto), Style::from_name)?;
         let vary = |word: &str| at_flag("--vary", Subject::from_name(word));
         let job = Job {
             plan: plan(&args, integral.is_some())?,
             subject: vary(args.vary.as_deref().unwrap_or(Subject::TABLE[0].0))?,
             outputs: outputs(&args.output)?,
-            style: if args.quiet { Style::None } else { style },
-            console: Console { verbosity: if args.quiet { Verbosity::Quiet } else { Verbosity::Normal } },
+            style: args.study.style()?,
+            console: args.study.console(),
             signals: Signals::listen()?,
             integral,
             begun,
@@ -145,7 +132,7 @@ impl Job {
             ("--reference", args.reference.is_some()),
             ("--size", args.size.is_some()),
             ("--max-depth", args.max_depth.is_some()),
-            ("--set", !args.set.is_empty()),
+            ("--set", !args.study.set.is_empty()),
         ];
         match (self.integral, flags.into_iter().find(|(_, is_given)| *is_given)) {
             (Some(integral), Some((flag, _))) => {
@@ -192,7 +179,7 @@ impl Job {
             }
             if self.args.json {
                 write_stdout(&report::json(study))?;
-            } else if !self.args.quiet {
+            } else if !self.args.study.quiet {
                 write_stdout(&report::table(study))?;
             }
         }

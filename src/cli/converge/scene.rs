@@ -68,7 +68,7 @@ impl Job {
         if let Some(depth) = self.args.max_depth.as_deref().or(self.subject.max_depth) {
             overrides.push(Override::flag("--max-depth", "render.max_depth", depth)?);
         }
-        for text in &self.args.set {
+        for text in &self.args.study.set {
             overrides.push(Override::parse(text)?);
         }
         load::scene(&self.args.input, load::Options { overrides, progress: &progress, ..Default::default() })
@@ -77,7 +77,8 @@ impl Job {
     /// The reference's size, or a small one, unless one is asked for.
     fn set_size(&self, loaded: &mut Loaded, truth: Option<&Truth>) -> Result<()> {
         let settings = &mut loaded.settings;
-        let keys = self.args.set.iter().filter_map(|set| set.split_once('=').map(|(key, _)| key.trim()));
+        let keys =
+            self.args.study.set.iter().filter_map(|set| set.split_once('=').map(|(key, _)| key.trim()));
         let is_size =
             |key: &str| key == "film" || key.starts_with("film.size") || key.starts_with("film.crop");
         let is_asked_for = self.args.size.is_some() || keys.into_iter().any(is_size);

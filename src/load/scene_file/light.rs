@@ -68,14 +68,15 @@ fn kind(word: &str) -> Result<Kind> {
 
 fn read(mut light: Section<'_>, field: &Field<'_>) -> Result<LightPlan> {
     const LATER: &[&str] = &["spot", "sun-sky"];
-    let missing = |key: &str| field.error(format!("{} has no {key}", field.name()));
     let kind = light.read("type", |f| f.word(LATER, kind))?;
-    let kind = kind.ok_or_else(|| missing("type").advise("e.g. type = \"environment\""))?;
+    let kind = kind.ok_or_else(|| {
+        field.error(format!("{} has no type", field.name())).advise("e.g. type = \"environment\"")
+    })?;
     let point = |light: &mut Section<'_>, key: &'static str| {
-        light.read(key, |f| f.point())?.ok_or_else(|| missing(key))
+        light.read(key, |f| f.point())?.ok_or_else(|| light.missing(field, key))
     };
     let color = |light: &mut Section<'_>, key: &'static str| {
-        light.read(key, |f| f.color(LIGHT))?.ok_or_else(|| missing(key))
+        light.read(key, |f| f.color(LIGHT))?.ok_or_else(|| light.missing(field, key))
     };
     let plan = match kind {
         Kind::Environment => environment(&mut light)?,
@@ -84,12 +85,14 @@ fn read(mut light: Section<'_>, field: &Field<'_>) -> Result<LightPlan> {
             intensity: color(&mut light, "intensity")?,
         },
         Kind::Directional => LightPlan::Directional {
-            direction: light.read("direction", unit)?.ok_or_else(|| missing("direction"))?,
+            direction: light.read("direction", unit)?.ok_or_else(|| light.missing(field, "direction"))?,
             irradiance: color(&mut light, "irradiance")?,
         },
         Kind::Sphere => LightPlan::Sphere {
             center: point(&mut light, "center")?,
-            radius: light.read("radius", |f| f.number(1e-9..=1e9))?.ok_or_else(|| missing("radius"))?,
+            radius: light
+                .read("radius", |f| f.number(1e-9..=1e9))?
+                .ok_or_else(|| light.missing(field, "radius"))?,
             radiance: color(&mut light, "radiance")?,
         },
         Kind::Rectangle => {

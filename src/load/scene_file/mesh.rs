@@ -30,7 +30,8 @@ pub(super) fn read_all<'t>(field: &Field<'t>, folder: &Path) -> Result<Vec<MeshP
 fn read<'t>(mut mesh: Section<'t>, field: &Field<'t>, folder: &Path) -> Result<MeshPlan<'t>> {
     mesh.not_yet(&["motion"])?;
     let file = mesh.get("file").ok_or_else(|| {
-        field.error(format!("{} has no file", field.name())).advise("e.g. file = \"bunny.obj\"")
+        let error = mesh.missing(field, "file");
+        if error.advice.is_some() { error } else { error.advise("e.g. file = \"bunny.obj\"") }
     })?;
     check_name(&file)?;
     let material = mesh.get("material");
@@ -123,11 +124,11 @@ fn scale(field: Field<'_>) -> Result<DVec3> {
 
 fn rotation(field: Field<'_>) -> Result<DMat4> {
     let mut table = field.section().map_err(|e| e.advise("e.g. { axis = [0, 1, 0], angle = 30 }"))?;
-    let missing = |key: &str| field.error(format!("{} has no {key}", field.name()));
-    let axis = table.get("axis").ok_or_else(|| missing("axis"))?;
+    let axis = table.get("axis").ok_or_else(|| table.missing(&field, "axis"))?;
     let direction = axis.point()?.try_normalize();
     let direction = direction.ok_or_else(|| axis.error(format!("{} has no direction", axis.name())))?;
-    let angle = table.read("angle", |f| f.number(-1e6..=1e6))?.ok_or_else(|| missing("angle"))?;
+    let angle =
+        table.read("angle", |f| f.number(-1e6..=1e6))?.ok_or_else(|| table.missing(&field, "angle"))?;
     table.finish()?;
     Ok(rotation_matrix(direction, angle))
 }

@@ -2,7 +2,7 @@
 //! error with a suggestion, so a misspelt word never passes in silence.
 
 use super::tree::{Entries, Entry, Node, Origin, Value, locate};
-use crate::error::{Error, Result, unknown_word_advice};
+use crate::error::{Error, Result, nearest, unknown_word_advice};
 use crate::math::{DVec3, Rgb};
 use std::ops::RangeInclusive;
 use std::path::Path;
@@ -75,6 +75,16 @@ impl<'t> Section<'t> {
             }
         }
         Ok(())
+    }
+
+    /// The error for a table, `field`, without the `key` that it needs; a key much like it is named.
+    pub fn missing(&self, field: &Field<'_>, key: &str) -> Error {
+        let error = field.error(format!("{} has no {key}", field.name));
+        let others = self.entries.keys().map(String::as_str).filter(|other| !self.asked.contains(other));
+        match nearest(key, others) {
+            Some(other) => error.advise(format!("it has \"{other}\"")),
+            None => error,
+        }
     }
 
     /// Refuses every key that was not asked for.

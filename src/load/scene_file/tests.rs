@@ -195,6 +195,13 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
             14,
             &["1e9 rays", "end with 1"],
         ),
+        (
+            "[[light]]\ntype = \"sphere\"\ncenter = [0, 0, 0]\nraduis = 1\nradiance = 1",
+            1,
+            1,
+            &["has no radius", "it has \"raduis\""],
+        ),
+        ("[[mesh]]\nflie = \"a.obj\"", 1, 1, &["has no file", "it has \"flie\""]),
         ("[film]\nquantity = \"flx\"", 2, 12, &["unknown quantity", "did you mean \"flux\""]),
         ("[film]\nsize = [8, 8]\ncrop = [4, 4, 5, 1]", 3, 8, &["inside the 8x8 picture"]),
         ("[camera]\nfov = 0", 2, 7, &["from 0.001 to 179.9"]),
