@@ -3,6 +3,7 @@
 use super::rays::{Chunk, Kind, RaySet};
 use crate::accel::{LANES, Mask, Rays};
 use crate::math::Vec3;
+use crate::quadrature::numbers;
 use crate::scene::Scene;
 
 /// The kinds made here.
@@ -11,7 +12,7 @@ pub const KINDS: [Kind; 4] = [Kind::Vertex, Kind::Edge, Kind::Axis, Kind::Graze]
 /// `count` rays of `kind` at triangles of `scene`, from inside its box and from around it. Every fifth direction is
 /// not of unit length and every seventh interval ends, on the target now and then. None where there is no triangle.
 pub fn rays(scene: &Scene, kind: Kind, count: u64, seed: u64) -> RaySet {
-    let mut random = Random(seed ^ (kind as u64) << 32);
+    let mut random = Random(Box::new(numbers(seed, kind as u64)));
     let bounds = scene.bounds();
     let half = bounds.extent() * 0.5;
     let place = Place { center: bounds.center(), half: half.max(Vec3::splat(half.max_element() * 0.1)) };
@@ -108,30 +109,22 @@ impl Place {
     }
 }
 
-/// Steele, Lea and Flood's SplitMix64.
-pub(super) struct Random(pub u64);
+/// Independent numbers in the forms that are needed here.
+struct Random(Box<dyn FnMut() -> f64>);
 
 impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform in [0, 1).
+    /// Uniform in [0, 1].
     fn unit(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 / (1 << 24) as f32
+        (self.0)() as f32
     }
 
-    /// Uniform in [-1, 1)³.
+    /// Uniform in [-1, 1]³.
     fn cube(&mut self) -> Vec3 {
         Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
     }
 
     /// Below `n`, which is not 0.
     fn below(&mut self, n: u64) -> u64 {
-        self.bits() % n
+        ((self.0)() * n as f64) as u64
     }
 }
