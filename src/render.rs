@@ -202,7 +202,7 @@ struct TileKernel<'a, I> {
 impl<I: Integrator> Kernel for TileKernel<'_, I> {
     type Output = ();
     #[inline(always)]
-    fn run(self) {
+    fn run<S: isa::Set>(self) {
         self.wave.run(self.job, self.tile);
     }
 }

@@ -69,12 +69,36 @@ impl Isa {
     }
 }
 
+/// The instruction set that a kernel is being compiled for. Only [`run`] names one, and only after it has seen
+/// that the machine has it: code that asks [`Set::ISA`] may rely on the answer.
+pub trait Set: sealed::Sealed {
+    /// Which one.
+    const ISA: Isa;
+}
+
+mod sealed {
+    use super::{Isa, Set};
+
+    pub trait Sealed {}
+
+    macro_rules! sets {
+        ($($name:ident)*) => {$(
+            pub struct $name;
+            impl Sealed for $name {}
+            impl Set for $name {
+                const ISA: Isa = Isa::$name;
+            }
+        )*};
+    }
+    sets!(Baseline Avx2 Avx512);
+}
+
 /// A piece of hot code that [`run`] compiles per instruction set. Mark `run` `#[inline(always)]`.
 pub trait Kernel {
     /// What it computes.
     type Output;
     /// Does the work.
-    fn run(self) -> Self::Output;
+    fn run<S: Set>(self) -> Self::Output;
 }
 
 /// Runs `kernel` compiled for `isa`, or for the best this machine has when that is less.
@@ -91,17 +115,17 @@ pub fn run<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
     }
     #[cfg(not(target_arch = "x86_64"))]
     let _ = isa;
-    kernel.run()
+    kernel.run::<sealed::Baseline>()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx512cd,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run()
+    kernel.run::<sealed::Avx512>()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run()
+    kernel.run::<sealed::Avx2>()
 }

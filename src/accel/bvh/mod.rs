@@ -10,13 +10,18 @@
 //! depend on the tree, the build's quality, the threads, the instruction set or the rays traced together: it is
 //! bit for bit that of testing every triangle, and the tests hold it to that.
 
+#[cfg(target_arch = "x86_64")]
+mod avx;
 mod bounds;
 mod build;
+mod few;
+mod meeting;
 mod near;
 mod node;
 mod ray;
 mod split;
 mod traverse;
+mod tree;
 mod triangle;
 
 #[cfg(test)]
@@ -26,17 +31,26 @@ use super::settle::{Triangles, settle};
 use super::{BuildOptions, Checked, Coherence, Hits, Intersector, LANES, MISS, Mask};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
-use crate::math::isa::{self, Isa, Kernel};
+use crate::math::isa::{self, Isa, Kernel, Set};
 use crate::shape::Mesh;
-use ray::Ray;
+use few::Few;
+use meeting::Meetings;
+use ray::Prepared;
+use std::cell::RefCell;
 use std::sync::Arc;
-use traverse::{Place, Stack, Tree};
+use traverse::Stacks;
+use tree::{Found, Place, Tree};
 
 /// A built hierarchy. It keeps its own copy of the triangles and none of the meshes.
 pub struct Bvh {
     tree: build::Built,
+    few: Option<Few>,
     isa: Isa,
 }
+
+/// Up to this many bytes a structure stays in a core's own cache, and a ray loses nothing by waiting for it; larger
+/// ones are traversed in turns ([`traverse`]).
+const NEAR_BY: usize = 1 << 20;
 
 impl Bvh {
     /// Builds the hierarchy. Triangles of zero area are left out. Fails when memory runs out, when there are
@@ -50,27 +64,24 @@ impl Bvh {
             pool.map_err(|e| Error::new(format!("cannot start threads for the build: {e}")))?
                 .install(build)?
         };
-        Ok(Bvh { tree, isa: options.isa.unwrap_or_else(Isa::best) })
+        let few = Few::new(&tree.blocks);
+        Ok(Bvh { tree, few, isa: options.isa.unwrap_or_else(Isa::best) })
     }
 
-    fn tree(&self) -> Option<Tree<'_>> {
-        let (nodes, blocks) = (&self.tree.nodes[..], &self.tree.blocks[..]);
-        (!nodes.is_empty()).then_some(Tree { nodes, blocks })
+    fn tree(&self) -> Tree<'_> {
+        Tree { nodes: &self.tree.nodes, blocks: &self.tree.blocks, in_turns: self.bytes() > NEAR_BY }
     }
 }
 
 impl Intersector for Bvh {
     fn closest(&self, rays: Checked<'_>, _: Coherence, hits: &mut Hits) {
         let tree = self.tree();
-        let mut places = [Place::default(); LANES];
-        isa::run(self.isa, Closest { tree, rays, hits, places: &mut places });
-        if let Some(tree) = tree {
-            settle(&Placed { tree, places }, rays.rays(), rays.active(), hits);
-        }
+        let found = isa::run(self.isa, Closest { tree, few: self.few.as_ref(), rays, hits });
+        settle(&Placed { tree, places: found }, rays.rays(), rays.active(), hits);
     }
 
     fn occluded(&self, rays: Checked<'_>, _: Coherence) -> Mask {
-        self.tree().map_or(0, |tree| isa::run(self.isa, Occluded { tree, rays }))
+        isa::run(self.isa, Occluded { tree: self.tree(), few: self.few.as_ref(), rays })
     }
 
     fn bytes(&self) -> usize {
@@ -83,46 +94,43 @@ impl Intersector for Bvh {
     }
 }
 
-#[inline(always)]
-fn ray(rays: &Checked<'_>, lane: usize) -> Option<Ray> {
-    let r = rays.rays();
-    let origin = [r.ox[lane], r.oy[lane], r.oz[lane]];
-    let direction = [r.dx[lane], r.dy[lane], r.dz[lane]];
-    Ray::new(origin, direction, r.tmin[lane], r.tmax[lane])
+thread_local! {
+    static STACKS: RefCell<Box<Stacks>> = RefCell::new(Stacks::new());
 }
 
 struct Closest<'a> {
-    tree: Option<Tree<'a>>,
+    tree: Tree<'a>,
+    few: Option<&'a Few>,
     rays: Checked<'a>,
     hits: &'a mut Hits,
-    places: &'a mut [Place; LANES],
 }
 
 impl Kernel for Closest<'_> {
-    type Output = ();
+    type Output = [Place; LANES];
 
+    /// Where the triangles are that were hit.
     #[inline(always)]
-    fn run(self) {
-        let mut stack = Stack::default();
-        for lane in (0..LANES).filter(|&lane| self.rays.active() >> lane & 1 == 1) {
-            let ray = ray(&self.rays, lane);
-            let hit = match (&self.tree, &ray) {
-                (Some(tree), Some(ray)) => tree.closest(ray, &mut stack).map(|hit| (hit, ray)),
-                _ => None,
-            };
-            let (t, u, v, mesh, triangle) = match hit {
-                Some(((hit, place), ray)) => {
-                    self.places[lane] = place;
-                    (ray.unscale(hit.t), hit.u, hit.v, (hit.id >> 32) as u32, hit.id as u32)
-                }
-                None => (f32::INFINITY, 0.0, 0.0, MISS, MISS),
-            };
-            self.hits.t[lane] = t;
-            self.hits.u[lane] = u;
-            self.hits.v[lane] = v;
-            self.hits.mesh[lane] = mesh;
-            self.hits.triangle[lane] = triangle;
+    fn run<S: Set>(self) -> [Place; LANES] {
+        let Closest { tree, few, rays, hits } = self;
+        let prepared = Prepared::new(rays.rays(), if tree.blocks.is_empty() { 0 } else { rays.active() });
+        let found = match few {
+            _ if prepared.live == 0 => Found::default(),
+            Some(few) => few.closest::<S>(&tree, rays.rays(), &prepared),
+            None => STACKS.with_borrow_mut(|stacks| tree.closest::<S>(&prepared, stacks)),
+        };
+        let meetings = Meetings::of(&tree, &found.place, &prepared);
+        for i in 0..LANES {
+            let hit = found.hit >> i & 1 == 1;
+            let [mesh, triangle] = if hit { tree.ids(found.place[i]) } else { [MISS; 2] };
+            if rays.active() >> i & 1 == 1 {
+                hits.t[i] = if hit { (meetings.t[i] as f64 * prepared.up[i]) as f32 } else { f32::INFINITY };
+                hits.u[i] = if hit { meetings.u[i] } else { 0.0 };
+                hits.v[i] = if hit { meetings.v[i] } else { 0.0 };
+                hits.mesh[i] = mesh;
+                hits.triangle[i] = triangle;
+            }
         }
+        found.place
     }
 }
 
@@ -135,8 +143,7 @@ struct Placed<'a> {
 impl Triangles for Placed<'_> {
     #[inline(always)]
     fn hit(&self, _: &Hits, lane: usize) -> [Vec3; 3] {
-        let Place { block, lane } = self.places[lane];
-        self.tree.blocks[block as usize].triangle_at(lane as usize)
+        self.tree.triangle(self.places[lane])
     }
 
     fn around(&self, point: Vec3, radius: f32, each: &mut dyn FnMut([u32; 2], [Vec3; 3])) {
@@ -149,6 +156,7 @@ impl Triangles for Placed<'_> {
 
 struct Occluded<'a> {
     tree: Tree<'a>,
+    few: Option<&'a Few>,
     rays: Checked<'a>,
 }
 
@@ -156,14 +164,15 @@ impl Kernel for Occluded<'_> {
     type Output = Mask;
 
     #[inline(always)]
-    fn run(self) -> Mask {
-        let mut stack = Stack::default();
-        let mut found = 0;
-        for lane in (0..LANES).filter(|&lane| self.rays.active() >> lane & 1 == 1) {
-            if ray(&self.rays, lane).is_some_and(|ray| self.tree.occluded(&ray, &mut stack)) {
-                found |= 1 << lane;
-            }
+    fn run<S: Set>(self) -> Mask {
+        let Occluded { tree, few, rays } = self;
+        if tree.blocks.is_empty() {
+            return 0;
         }
-        found
+        let prepared = Prepared::new(rays.rays(), rays.active());
+        match few {
+            Some(few) => few.occluded::<S>(&tree, rays.rays(), &prepared),
+            None => STACKS.with_borrow_mut(|stacks| tree.occluded::<S>(&prepared, stacks)),
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! The triangles around a point.
 
 use super::node::{Child, WIDTH};
-use super::traverse::Tree;
+use super::tree::Tree;
 use super::triangle::BLOCK;
 use crate::math::Vec3;
 

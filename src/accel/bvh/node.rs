@@ -11,7 +11,7 @@
 //! node visited, and the sign of t does not matter.
 
 use super::bounds::Bounds;
-use super::ray::SlabRay;
+use super::ray::Prepared;
 
 /// Children of a node.
 pub const WIDTH: usize = 8;
@@ -71,6 +71,18 @@ impl Child {
         }
     }
 
+    /// As a number, and back.
+    #[inline(always)]
+    pub fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// The child of that number.
+    #[inline(always)]
+    pub fn from_bits(bits: u32) -> Child {
+        Child(bits)
+    }
+
     /// True when it is a run of blocks.
     #[inline(always)]
     pub fn is_leaf(self) -> bool {
@@ -119,29 +131,23 @@ impl Node {
         self.children[slot] = child;
     }
 
-    /// The distances at which the ray enters each child's box, and one bit for each box that the ray meets
+    /// The distances at which the ray of lane `i` enters each child's box, and one bit for each box that it meets
     /// on `tmin ..= tmax`. No NaN can arise: 1/d is finite and not zero, and infinite planes (of empty
-    /// slots) minus a finite origin stay infinite.
+    /// slots) minus a finite origin stay infinite. A distance is never negative, nor −0, so that its bits are in
+    /// its order.
     #[inline(always)]
-    pub fn enter(&self, ray: &SlabRay, tmin: f32, tmax: f32) -> ([f32; WIDTH], u32) {
-        let [sx, sy, sz] = ray.near_side;
-        let (nx, fx) = (&self.planes[0][sx & 1], &self.planes[0][(sx & 1) ^ 1]);
-        let (ny, fy) = (&self.planes[1][sy & 1], &self.planes[1][(sy & 1) ^ 1]);
-        let (nz, fz) = (&self.planes[2][sz & 1], &self.planes[2][(sz & 1) ^ 1]);
-        let (on, of, inv) = (&ray.near_origin, &ray.far_origin, &ray.inverse);
-        let mut near = [0.0; WIDTH];
-        let mut far = [0.0; WIDTH];
-        for i in 0..WIDTH {
-            let x = (nx[i] - on[0]) * inv[0];
-            let y = (ny[i] - on[1]) * inv[1];
-            let z = (nz[i] - on[2]) * inv[2];
-            near[i] = max(max(x, y), max(z, tmin));
-        }
-        for i in 0..WIDTH {
-            let x = (fx[i] - of[0]) * inv[0];
-            let y = (fy[i] - of[1]) * inv[1];
-            let z = (fz[i] - of[2]) * inv[2];
-            far[i] = min(min(x, y), min(z, tmax));
+    pub fn enter(&self, rays: &Prepared, i: usize, tmax: f32) -> ([f32; WIDTH], u32) {
+        let mut near = [rays.tmin[i]; WIDTH];
+        let mut far = [tmax; WIDTH];
+        for k in 0..3 {
+            let side = rays.near_side[k][i] as usize & 1;
+            let (first, last) = (&self.planes[k][side], &self.planes[k][side ^ 1]);
+            let (near_origin, far_origin) = (rays.near_origin[k][i], rays.far_origin[k][i]);
+            let inverse = rays.inverse[k][i];
+            for i in 0..WIDTH {
+                near[i] = max((first[i] - near_origin) * inverse, near[i]);
+                far[i] = min((last[i] - far_origin) * inverse, far[i]);
+            }
         }
         // Selected constants and a sum, which compile to a blend and three shuffles; shifting single bits
         // together would take each lane through a general register.

@@ -1,140 +1,269 @@
-//! Depth-first traversal, near children first, without allocation.
+//! Depth-first traversal, near children first, of all rays of a chunk in turns.
+//!
+//! One ray alone waits most of its time: for a node from memory, and for the comparisons that decide where it goes
+//! next. So the rays of a chunk take turns. Each visits one node or leaf, finds out where it goes on, asks for
+//! that part of the tree to be fetched, and lets the others go first.
 
 use super::node::{Child, Node, WIDTH};
-use super::ray::Ray;
-use super::triangle::{Block, Hit};
+use super::ray::Prepared;
+use super::tree::{Found, Place, Tree, rank};
+use super::triangle::{BLOCK, Block, Met};
+use crate::accel::{LANES, Mask};
+use crate::math::isa::Set;
 
 /// Levels of nodes that a tree may have; the builder keeps to it ([`super::build`] says how).
 pub const MAX_DEPTH: usize = 36;
 
 /// A visited node pushes at most [`WIDTH`] entries and the next one was popped from them, so every level above
-/// the current node holds at most `WIDTH − 1`, and the last one pushes `WIDTH`.
-const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;
+/// the current node holds at most `WIDTH − 1`, and the last one pushes `WIDTH`. A power of two, so that an index is
+/// brought in range by a mask; none ever is out of it.
+const STACK: usize = 256;
 
-/// What is still to be visited, with the distance at which the ray enters it.
-#[derive(Clone, Copy)]
-struct Entry {
-    near: f32,
-    child: Child,
+const _: () = assert!(MAX_DEPTH * (WIDTH - 1) < STACK);
+
+/// What is still to be visited: in the upper half the bits of the distance at which the ray enters it (not negative, so
+/// they are in its order), in the lower the child.
+type Entry = u64;
+
+#[inline(always)]
+fn entry(near: f32, child: Child) -> Entry {
+    (near.to_bits() as u64) << 32 | child.bits() as u64
 }
 
-/// Scratch memory of a traversal, made once a chunk of rays.
-pub struct Stack([Entry; STACK]);
+/// A ray on its way.
+#[derive(Clone, Copy)]
+struct Walk {
+    child: Child,
+    top: usize,
+    /// Distance of the best hit, scaled, and its ids; where nothing is hit, the end of the interval and all ones.
+    t: f32,
+    id: u64,
+    place: Place,
+}
 
-impl Default for Stack {
-    fn default() -> Self {
-        Stack([Entry { near: 0.0, child: Child::NONE }; STACK])
+/// What a ray has yet to visit.
+type Stack = [Entry; STACK];
+
+/// Scratch memory of a traversal.
+pub struct Stacks([Stack; LANES]);
+
+impl Stacks {
+    /// New ones; on the heap, and kept by whoever traces.
+    pub fn new() -> Box<Stacks> {
+        Box::new(Stacks([[0; STACK]; LANES]))
     }
 }
 
-/// Where a triangle is kept.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Place {
-    /// Index of its block.
-    pub block: u32,
-    /// Its lane there.
-    pub lane: u32,
+/// Calls `visit` for each of `lanes`.
+#[inline(always)]
+pub fn each(mut lanes: Mask, mut visit: impl FnMut(usize)) {
+    while lanes != 0 {
+        visit(lanes.trailing_zeros() as usize % LANES);
+        lanes &= lanes - 1;
+    }
 }
 
-/// The tree as the traversal sees it; node 0 is the root, and there is at least that one.
-#[derive(Clone, Copy)]
-pub struct Tree<'a> {
-    /// Nodes.
-    pub nodes: &'a [Node],
-    /// Triangles.
-    pub blocks: &'a [Block],
+/// Steps the walks of `live` to their ends: to the end one by one, or in turns.
+#[inline(always)]
+fn walk_all(
+    live: Mask,
+    rays: &Prepared,
+    stacks: &mut Stacks,
+    in_turns: bool,
+    step: impl Fn(&mut Walk, &mut Stack, usize) -> bool,
+    mut end: impl FnMut(usize, &Walk),
+) {
+    let start = |i: usize| Walk {
+        child: Child::node(0),
+        top: 0,
+        t: rays.tmax[i],
+        id: u64::MAX,
+        place: Place::default(),
+    };
+    if !in_turns {
+        each(live, |i| {
+            let (mut walk, stack) = (start(i), &mut stacks.0[i]);
+            while step(&mut walk, stack, i) {}
+            end(i, &walk);
+        });
+        return;
+    }
+    let mut walks = [start(0); LANES];
+    let (mut lanes, mut len) = ([0u8; LANES], 0);
+    each(live, |i| {
+        walks[i] = start(i);
+        lanes[len % LANES] = i as u8;
+        len += 1;
+    });
+    while len > 0 {
+        let mut turn = 0;
+        while turn < len {
+            let i = lanes[turn % LANES] as usize % LANES;
+            if step(&mut walks[i], &mut stacks.0[i], i) {
+                turn += 1;
+            } else {
+                end(i, &walks[i]);
+                len -= 1;
+                lanes[turn % LANES] = lanes[len % LANES];
+            }
+        }
+    }
 }
 
 impl Tree<'_> {
-    /// The closest hit; of hits at equal distance, the one with the lowest id. With it, its triangle's place.
+    /// The closest hits of the live rays; of hits at equal distance, the one with the lowest id.
     #[inline(always)]
-    pub fn closest(&self, ray: &Ray, stack: &mut Stack) -> Option<(Hit, Place)> {
-        let stack = &mut stack.0;
-        let mut best = Hit { t: ray.tmax, u: 0.0, v: 0.0, id: u64::MAX };
-        let mut place = Place::default();
-        let mut top = 0;
-        let mut child = Child::node(0);
-        loop {
-            if child.is_leaf() {
-                let first = child.blocks().start;
-                for (i, block) in self.blocks[child.blocks()].iter().enumerate() {
-                    let mut candidates = block.candidates(ray);
-                    while candidates != 0 {
-                        let lane = candidates.trailing_zeros() as usize;
-                        candidates &= candidates - 1;
-                        if let Some(hit) = block.hit(lane, ray, best.t)
-                            && (hit.t < best.t || hit.id < best.id)
-                        {
-                            best = hit;
-                            place = Place { block: (first + i) as u32, lane: lane as u32 };
-                        }
-                    }
-                }
+    pub fn closest<S: Set>(&self, rays: &Prepared, stacks: &mut Stacks) -> Found {
+        let mut found = Found::default();
+        let step = |walk: &mut Walk, stack: &mut Stack, i: usize| {
+            if walk.child.is_leaf() {
+                self.closest_in_leaf::<S>(walk, rays, i);
             } else {
-                let node = &self.nodes[child.index()];
-                let (near, mut met) = node.enter(&ray.slab, ray.tmin, best.t);
-                let floor = top;
-                while met != 0 {
-                    let slot = met.trailing_zeros() as usize;
-                    met &= met - 1;
-                    let entry = Entry { near: near[slot], child: node.children[slot] };
-                    // Insertion sort, farthest at the bottom: two or three entries as a rule.
-                    let mut at = top;
-                    while at > floor && stack[at - 1].near < entry.near {
-                        stack[at] = stack[at - 1];
-                        at -= 1;
-                    }
-                    stack[at] = entry;
-                    top += 1;
+                let node = &self.nodes[walk.child.index()];
+                let (near, met) = enter::<S>(node, rays, i, walk.t);
+                if met != 0 {
+                    walk.descend(stack, node, &near, met);
+                    self.fetch(walk.child);
+                    return true;
                 }
             }
             // A box entered at exactly the best distance may still hold a tie with a lower id.
-            loop {
-                if top == 0 {
-                    return (best.id != u64::MAX).then_some((best, place));
+            let end = walk.t.to_bits();
+            while walk.top > 0 {
+                walk.top -= 1;
+                let next = stack[walk.top % STACK];
+                if (next >> 32) as u32 <= end {
+                    walk.child = Child::from_bits(next as u32);
+                    self.fetch(walk.child);
+                    return true;
                 }
-                top -= 1;
-                if stack[top].near <= best.t {
-                    child = stack[top].child;
-                    break;
+            }
+            false
+        };
+        walk_all(rays.live, rays, stacks, self.in_turns, step, |i, walk| {
+            found.hit |= ((walk.id != u64::MAX) as Mask) << i;
+            found.place[i] = walk.place;
+        });
+        found
+    }
+
+    #[inline(always)]
+    fn closest_in_leaf<S: Set>(&self, walk: &mut Walk, rays: &Prepared, i: usize) {
+        let blocks = walk.child.blocks();
+        for (index, block) in blocks.clone().zip(&self.blocks[blocks]) {
+            let (mut met, t) = meet::<S>(block, rays, i, walk.t);
+            while met != 0 {
+                let lane = met.trailing_zeros() as usize % BLOCK;
+                met &= met - 1;
+                let id = rank(block.ids(lane));
+                if t[lane] < walk.t || (t[lane] == walk.t && id < walk.id) {
+                    (walk.t, walk.id) = (t[lane], id);
+                    walk.place = Place::new(index, lane);
                 }
             }
         }
     }
 
-    /// True when anything is hit.
+    /// The live rays that hit anything.
     #[inline(always)]
-    pub fn occluded(&self, ray: &Ray, stack: &mut Stack) -> bool {
-        let stack = &mut stack.0;
-        let mut top = 0;
-        let mut child = Child::node(0);
-        loop {
-            if child.is_leaf() {
-                for block in &self.blocks[child.blocks()] {
-                    let mut candidates = block.candidates(ray);
-                    while candidates != 0 {
-                        let lane = candidates.trailing_zeros() as usize;
-                        candidates &= candidates - 1;
-                        if block.hit(lane, ray, ray.tmax).is_some() {
-                            return true;
-                        }
+    pub fn occluded<S: Set>(&self, rays: &Prepared, stacks: &mut Stacks) -> Mask {
+        let mut hit = 0;
+        let step = |walk: &mut Walk, stack: &mut Stack, i: usize| {
+            if walk.child.is_leaf() {
+                for block in &self.blocks[walk.child.blocks()] {
+                    if meet::<S>(block, rays, i, walk.t).0 != 0 {
+                        walk.id = 0;
+                        return false;
                     }
                 }
             } else {
-                let node = &self.nodes[child.index()];
-                let (_, mut met) = node.enter(&ray.slab, ray.tmin, ray.tmax);
+                let node = &self.nodes[walk.child.index()];
+                let (_, mut met) = enter::<S>(node, rays, i, walk.t);
                 while met != 0 {
-                    let slot = met.trailing_zeros() as usize;
+                    let slot = met.trailing_zeros() as usize % WIDTH;
                     met &= met - 1;
-                    stack[top] = Entry { near: 0.0, child: node.children[slot] };
-                    top += 1;
+                    stack[walk.top % STACK] = node.children[slot].bits() as u64;
+                    walk.top += 1;
                 }
             }
-            if top == 0 {
+            if walk.top == 0 {
                 return false;
             }
-            top -= 1;
-            child = stack[top].child;
+            walk.top -= 1;
+            walk.child = Child::from_bits(stack[walk.top % STACK] as u32);
+            self.fetch(walk.child);
+            true
+        };
+        walk_all(rays.live, rays, stacks, self.in_turns, step, |i, walk| {
+            hit |= ((walk.id != u64::MAX) as Mask) << i;
+        });
+        hit
+    }
+
+    /// Starts loading what a child refers to, if there is time for it before it is needed.
+    #[inline(always)]
+    fn fetch(&self, child: Child) {
+        #[cfg(target_arch = "x86_64")]
+        if !self.in_turns {
+        } else if child.is_leaf() {
+            super::avx::prefetch(&self.blocks[child.blocks().start], 3);
+        } else {
+            super::avx::prefetch(&self.nodes[child.index()], 4);
         }
     }
+}
+
+impl Walk {
+    /// Goes on with the nearest of the children that are met; pushes the others, the farthest first.
+    #[inline(always)]
+    fn descend(&mut self, stack: &mut Stack, node: &Node, near: &[f32; WIDTH], mut met: u32) {
+        let slot = met.trailing_zeros() as usize % WIDTH;
+        met &= met - 1;
+        if met == 0 {
+            self.child = node.children[slot];
+            return;
+        }
+        let mut nearest = entry(near[slot], node.children[slot]);
+        let floor = self.top;
+        while met != 0 {
+            let slot = met.trailing_zeros() as usize % WIDTH;
+            met &= met - 1;
+            let other = entry(near[slot], node.children[slot]);
+            let pushed = nearest.max(other);
+            nearest = nearest.min(other);
+            // Insertion sort, farthest at the bottom.
+            let mut at = self.top;
+            while at > floor && stack[(at - 1) % STACK] < pushed {
+                stack[at % STACK] = stack[(at - 1) % STACK];
+                at -= 1;
+            }
+            stack[at % STACK] = pushed;
+            self.top += 1;
+        }
+        self.child = Child::from_bits(nearest as u32);
+    }
+}
+
+/// [`Node::enter`], in the instruction set's form.
+#[inline(always)]
+#[allow(unsafe_code)]
+fn enter<S: Set>(node: &Node, rays: &Prepared, i: usize, tmax: f32) -> ([f32; WIDTH], u32) {
+    #[cfg(target_arch = "x86_64")]
+    if S::ISA != crate::math::isa::Isa::Baseline {
+        // SAFETY: only `isa::run` names another set than the baseline, on machines that have it.
+        return unsafe { super::avx::enter(node, rays, i, tmax) };
+    }
+    node.enter(rays, i, tmax)
+}
+
+/// [`Block::meet`], in the instruction set's form.
+#[inline(always)]
+#[allow(unsafe_code)]
+fn meet<S: Set>(block: &Block, rays: &Prepared, i: usize, tmax: f32) -> Met {
+    #[cfg(target_arch = "x86_64")]
+    if S::ISA != crate::math::isa::Isa::Baseline {
+        // SAFETY: as in `enter`.
+        return unsafe { super::avx::meet(block, rays, i, tmax) };
+    }
+    block.meet(rays, i, tmax)
 }

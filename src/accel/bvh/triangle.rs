@@ -7,13 +7,16 @@
 //! passes. Neighbours evaluate a shared edge with exactly opposite signs, hence no ray slips between them.
 //!
 //! In f32, an edge function has the right sign or is 0: rounding is monotone, so a·b > c·d implies
-//! fl(a·b) ≥ fl(c·d). [`Block::candidates`] therefore sorts out with f32 alone what is certainly missed, and
-//! [`Block::hit`] decides the few others in f64, where the products of two f32 are exact: signs are exact, a
-//! ray through an edge or vertex (a function of exactly 0) hits, and neither tiny nor huge scales leave the
-//! range.
+//! fl(a·b) ≥ fl(c·d). f32 alone therefore sorts out what is certainly missed ([`Block::candidates`]), and f64, where
+//! the products of two f32 are exact, decides the others: signs are exact, a ray through an edge or vertex (a
+//! function of exactly 0) hits, and neither tiny nor huge scales leave the range.
+//!
+//! This file has the plain form, which the compiler vectorises as it can; [`super::avx`] the same operations as
+//! intrinsics. No operation is fused or reordered in either, so they give the same bits.
 
-use super::node::{enlarge, max, min};
-use super::ray::{Ray, SlabRay};
+use super::meeting::Meeting;
+use super::node::{max, min};
+use super::ray::Prepared;
 use crate::math::Vec3;
 
 /// Triangles of a block.
@@ -31,18 +34,8 @@ pub struct Block {
     pub triangle: [u32; BLOCK],
 }
 
-/// A hit; `t` as in [`Ray`], scaled.
-#[derive(Clone, Copy, Debug)]
-pub struct Hit {
-    /// Distance.
-    pub t: f32,
-    /// Weight of the second corner.
-    pub u: f32,
-    /// Weight of the third corner.
-    pub v: f32,
-    /// Mesh id in the upper half, triangle id in the lower: the order in which ties are broken.
-    pub id: u64,
-}
+/// What one ray meets of a block: a bit for each triangle, and their distances (scaled, see [`Prepared`]).
+pub type Met = (u32, [f32; BLOCK]);
 
 impl Block {
     /// A block without triangles.
@@ -61,6 +54,7 @@ impl Block {
     }
 
     /// Mesh and triangle in a lane.
+    #[inline(always)]
     pub fn ids(&self, lane: usize) -> [u32; 2] {
         [self.mesh[lane % BLOCK], self.triangle[lane % BLOCK]]
     }
@@ -75,95 +69,54 @@ impl Block {
         })
     }
 
+    /// The triangles that the ray of lane `i` meets on `tmin ..= tmax`, edges and both sides included.
+    #[inline(always)]
+    pub fn meet(&self, rays: &Prepared, i: usize, tmax: f32) -> Met {
+        let mut candidates = self.candidates(rays, i);
+        let (mut met, mut t) = (0, [0.0; BLOCK]);
+        while candidates != 0 {
+            let lane = candidates.trailing_zeros() as usize;
+            candidates &= candidates - 1;
+            if let Some(hit) = self.hit(lane, rays, i, tmax) {
+                met |= 1 << lane;
+                t[lane] = hit;
+            }
+        }
+        (met, t)
+    }
+
     /// One bit for each triangle that the ray's line may meet: those whose edge functions have no two
     /// opposite signs in f32.
     #[inline(always)]
-    pub fn candidates(&self, ray: &Ray) -> u32 {
-        let [kx, ky, kz] = ray.axes;
+    fn candidates(&self, rays: &Prepared, i: usize) -> u32 {
+        let [kx, ky, kz] = [0, 1, 2].map(|k| rays.axes[k][i] as usize);
+        let [ox, oy, oz] = [0, 1, 2].map(|k| rays.origin[k][i]);
+        let (sx, sy) = (rays.shear[0][i], rays.shear[1][i]);
         let mut x = [[0.0f32; BLOCK]; 3];
         let mut y = [[0.0f32; BLOCK]; 3];
         for corner in 0..3 {
             let planes = &self.corners[corner];
             let (px, py, pz) = (&planes[kx], &planes[ky], &planes[kz]);
             for i in 0..BLOCK {
-                let z = pz[i] - ray.origin[2];
-                x[corner][i] = (px[i] - ray.origin[0]) - ray.shear[0] * z;
-                y[corner][i] = (py[i] - ray.origin[1]) - ray.shear[1] * z;
+                let z = pz[i] - oz;
+                x[corner][i] = (px[i] - ox) - sx * z;
+                y[corner][i] = (py[i] - oy) - sy * z;
             }
         }
-        let mut least = [0.0f32; BLOCK];
-        let mut most = [0.0f32; BLOCK];
+        let mut found = [0; BLOCK];
         for i in 0..BLOCK {
             let u = x[2][i] * y[1][i] - y[2][i] * x[1][i];
             let v = x[0][i] * y[2][i] - y[0][i] * x[2][i];
             let w = x[1][i] * y[0][i] - y[1][i] * x[0][i];
-            least[i] = min(min(u, v), w);
-            most[i] = max(max(u, v), w);
-        }
-        let mut found = [0; BLOCK];
-        for i in 0..BLOCK {
-            found[i] = if (least[i] >= 0.0) | (most[i] <= 0.0) { 1 << i } else { 0 };
+            let (least, most) = (min(min(u, v), w), max(max(u, v), w));
+            found[i] = if (least >= 0.0) | (most <= 0.0) { 1 << i } else { 0 };
         }
         found.iter().sum()
     }
 
-    /// The exact answer for a candidate: the hit on `ray.tmin ..= tmax`, edges and both sides included. Scalar
-    /// and rare, so it stays out of the kernels' loops and their registers.
-    #[inline(never)]
-    pub fn hit(&self, lane: usize, ray: &Ray, tmax: f32) -> Option<Hit> {
-        let lane = lane % BLOCK;
-        let [kx, ky, kz] = ray.axes;
-        let (mut x, mut y, mut z) = ([0.0f64; 3], [0.0f64; 3], [0.0f64; 3]);
-        for corner in 0..3 {
-            let planes = &self.corners[corner];
-            // f32, in the same operations as `candidates`: the frame's rounded points are the triangle.
-            let pz = planes[kz][lane] - ray.origin[2];
-            x[corner] = ((planes[kx][lane] - ray.origin[0]) - ray.shear[0] * pz) as f64;
-            y[corner] = ((planes[ky][lane] - ray.origin[1]) - ray.shear[1] * pz) as f64;
-            z[corner] = pz as f64;
-        }
-        let u = x[2] * y[1] - y[2] * x[1];
-        let v = x[0] * y[2] - y[0] * x[2];
-        let w = x[1] * y[0] - y[1] * x[0];
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
-            return None;
-        }
-        // Seen edge-on. With one sign in all three, the sum is 0 only if each is.
-        let det = u + v + w;
-        if det == 0.0 {
-            return None;
-        }
-        let inverse = 1.0 / det;
-        let t = ((u * z[0] + v * z[1] + w * z[2]) * inverse * ray.inverse_z) as f32;
-        let (near, far) = self.box_interval(lane, &ray.slab);
-        // The boxes of all nodes above hold this one, and slab distances are monotone in the planes. So with t
-        // inside the triangle's own slabs, no node above is entered later than t, and neither the tree nor
-        // the order of traversal can change which hit wins. The margins should leave nothing to do here: t is
-        // the z of a point of the triangle, whatever the angle. This makes it certain without their analysis.
-        let t = max(min(t, far), near);
-        let inside = near <= far && ray.tmin <= t && t <= tmax;
-        inside.then(|| Hit {
-            t,
-            u: (v * inverse) as f32,
-            v: (w * inverse) as f32,
-            id: (self.mesh[lane] as u64) << 32 | self.triangle[lane] as u64,
-        })
-    }
-
-    /// Where the ray enters and leaves the triangle's own box, enlarged and computed as a node's.
-    #[inline(always)]
-    fn box_interval(&self, lane: usize, slab: &SlabRay) -> (f32, f32) {
-        let [a, b, c] = &self.corners;
-        let axes = [0, 1, 2];
-        let lo = axes.map(|k| min(min(a[k][lane], b[k][lane]), c[k][lane]));
-        let hi = axes.map(|k| max(max(a[k][lane], b[k][lane]), c[k][lane]));
-        let (lo, hi) = enlarge(lo, hi);
-        let (mut near, mut far) = (f32::NEG_INFINITY, f32::INFINITY);
-        for k in axes {
-            let (first, last) = if slab.near_side[k] == 0 { (lo[k], hi[k]) } else { (hi[k], lo[k]) };
-            near = max(near, (first - slab.near_origin[k]) * slab.inverse[k]);
-            far = min(far, (last - slab.far_origin[k]) * slab.inverse[k]);
-        }
-        (near, far)
+    /// The exact answer for a candidate: its distance on `tmin ..= tmax`.
+    fn hit(&self, lane: usize, rays: &Prepared, i: usize, tmax: f32) -> Option<f32> {
+        let met = Meeting::of(self.triangle_at(lane).map(|p| p.to_array()), rays, i);
+        (met.is && met.t <= tmax).then_some(met.t)
     }
 }
