@@ -2,7 +2,7 @@
 //!
 //! The build script generates [`sys`] from the installed headers, so the declarations are those of the
 //! library that is linked. The trace calls, which differ between the two versions, are bound through a C
-//! shim with one interface for both: [`drt_rtc_intersect1`] and its seven siblings. Everything else that
+//! shim with one interface for both: [`drt_rtc_intersect1`] and its siblings. Everything else that
 //! drt uses (devices, scenes, geometries, buffers) is the same in both.
 #![no_std]
 
@@ -50,6 +50,11 @@ unsafe extern "C" {
     pub fn drt_rtc_occluded8(scene: RTCScene, coherent: bool, valid: *const c_int, rays: *mut RTCRay8);
     /// Any hit of 16 rays.
     pub fn drt_rtc_occluded16(scene: RTCScene, coherent: bool, valid: *const c_int, rays: *mut RTCRay16);
+    /// Closest hits of `count` single rays in an array, in a loop without anything else: what benchmarks measure
+    /// other callers by.
+    pub fn drt_rtc_intersect1_each(scene: RTCScene, rays: *mut RTCRayHit, count: usize);
+    /// Any hit of each of `count` single rays.
+    pub fn drt_rtc_occluded1_each(scene: RTCScene, rays: *mut RTCRay, count: usize);
 }
 
 // What the C side assumes of these structures, checked where they are compiled. The manual asks for 16, 32
