@@ -51,13 +51,13 @@ void drt_rtc_occluded1(RTCScene scene, bool coherent, struct RTCRay *rays) {
   DRT_CALL(rtcOccluded1, scene, rays);
 }
 
-// Ray after ray with one context: Embree with nothing around it, the yardstick of the benchmarks.
-void drt_rtc_intersect1_each(RTCScene scene, struct RTCRayHit *rays, size_t count) {
+// What a program in C would do: the yardstick for drt's own calls.
+void drt_rtc_intersect_each(RTCScene scene, struct RTCRayHit *rays, size_t count) {
   DRT_INTERSECT_SETUP(false);
   for (size_t i = 0; i < count; i++) DRT_CALL(rtcIntersect1, scene, rays + i);
 }
 
-void drt_rtc_occluded1_each(RTCScene scene, struct RTCRay *rays, size_t count) {
+void drt_rtc_occluded_each(RTCScene scene, struct RTCRay *rays, size_t count) {
   DRT_OCCLUDED_SETUP(false);
   for (size_t i = 0; i < count; i++) DRT_CALL(rtcOccluded1, scene, rays + i);
 }

@@ -1,6 +1,8 @@
 //! One contestant against the yardstick: built, then traced in alternating rounds.
 
-use crate::clock::{peak_mib, seconds};
+use crate::Arguments;
+use crate::build;
+use crate::clock::seconds;
 use crate::record::RaySet;
 use crate::scenes::Scene;
 use rustix::time::ClockId;
@@ -35,29 +37,29 @@ impl Contestant {
 
 /// A built contestant.
 pub trait Tracer {
-    /// Takes rays over in its own form; not timed.
-    fn load(&mut self, rays: &RaySet);
-
-    /// Traces the loaded rays once and keeps the answers.
-    fn trace(&mut self);
-
-    /// How many of them hit something; not timed.
-    fn hits(&self) -> usize;
+    /// Takes `rays` over in its own form, traces them once and keeps the answers. Returns the seconds that the
+    /// tracing took ([`timed`]) and how many rays hit something.
+    fn trace(&self, rays: &RaySet) -> (f64, usize);
 
     /// Bytes of the structure.
     fn bytes(&self) -> usize;
 }
 
+/// CPU seconds of this thread.
+pub fn timed(work: impl FnOnce()) -> f64 {
+    let start = seconds(ClockId::ThreadCPUTime);
+    work();
+    seconds(ClockId::ThreadCPUTime) - start
+}
+
 /// What is known of a contestant after all rounds.
 pub struct Measured {
-    /// CPU seconds of a build on all threads.
-    pub build: f64,
-    /// Wall seconds of a build on one.
-    pub build_one: f64,
+    /// A build on all threads.
+    pub build: build::Cost,
+    /// A build on one.
+    pub build_one: build::Cost,
     /// The structure's MiB.
     pub mib: f64,
-    /// The most that a build on one thread holds, in MiB.
-    pub peak_mib: Option<f64>,
     /// One a ray set.
     pub speeds: Vec<Speed>,
 }
@@ -81,27 +83,24 @@ impl Measured {
         contestant: &Contestant,
         scene: &Scene,
         rays: &[RaySet],
-        yardstick: &mut dyn Tracer,
-        rounds: u32,
+        yardstick: &dyn Tracer,
+        arguments: &Arguments,
     ) -> Measured {
-        let start = seconds(ClockId::ProcessCPUTime);
-        drop(contestant.build(scene, 0));
-        let build = seconds(ClockId::ProcessCPUTime) - start;
-        let start = seconds(ClockId::Monotonic);
-        let (mut built, peak_mib) = peak_mib(|| contestant.build(scene, 1));
-        let build_one = seconds(ClockId::Monotonic) - start;
+        let build = build::measure(contestant, &scene.name, 0, arguments.builds);
+        let build_one = build::measure(contestant, &scene.name, 1, arguments.builds);
+        let built = contestant.build(scene, 0);
         let mib = built.bytes() as f64 / (1 << 20) as f64;
         let mut series = vec![Vec::new(); rays.len()];
         let mut speeds = vec![Speed::default(); rays.len()];
-        for round in 0..rounds {
+        for round in 0..arguments.rounds {
             for (i, set) in rays.iter().enumerate() {
                 let (mine, other);
                 if round % 2 == 0 {
-                    other = trace(yardstick, set);
-                    mine = trace(&mut *built, set);
+                    other = yardstick.trace(set);
+                    mine = built.trace(set);
                 } else {
-                    mine = trace(&mut *built, set);
-                    other = trace(yardstick, set);
+                    mine = built.trace(set);
+                    other = yardstick.trace(set);
                 }
                 series[i].push((set.len() as f64 * 1e-6 / mine.0, other.0 / mine.0));
                 (speeds[i].hits, speeds[i].expected) = (mine.1, other.1);
@@ -111,20 +110,12 @@ impl Measured {
             speed.mrays = median(series.iter().map(|s| s.0));
             speed.ratio = median(series.iter().map(|s| s.1));
         }
-        Measured { build, build_one, mib, peak_mib, speeds }
+        Measured { build, build_one, mib, speeds }
     }
 }
 
-/// CPU seconds, and how many rays hit something.
-fn trace(tracer: &mut dyn Tracer, set: &RaySet) -> (f64, usize) {
-    tracer.load(set);
-    let start = seconds(ClockId::ThreadCPUTime);
-    tracer.trace();
-    let seconds = seconds(ClockId::ThreadCPUTime) - start;
-    (seconds, tracer.hits())
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
+/// The middle one.
+pub fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;

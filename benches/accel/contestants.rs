@@ -1,6 +1,9 @@
 //! Who is measured: one file a kind, one line here.
 
+mod bvh;
 mod chunks;
+mod obvhs;
+mod singles;
 #[cfg(feature = "embree")]
 mod yardstick;
 
@@ -20,5 +23,7 @@ pub fn all() -> Vec<Contestant> {
     #[cfg(feature = "embree")]
     all.push(yardstick::contestant());
     all.extend(chunks::contestants());
+    all.extend(obvhs::contestants());
+    all.extend(bvh::contestants());
     all
 }

@@ -34,28 +34,48 @@ impl RaySet {
 /// Ambient occlusion looks this share of the scene's diagonal far.
 const OCCLUSION_REACH: f32 = 0.05;
 
-/// Camera rays in tiles, diffuse bounces, shadow rays to the lamp from where these start, and ambient occlusion
-/// around the first hits: `rays` camera rays, of the others at most one a hit.
+/// So many times the picture is traced at most, to get enough rays of the later generations.
+const PASSES: usize = 16;
+
+/// About `rays` rays of each kind: camera rays in tiles, diffuse bounces, ambient occlusion around the first hits, and
+/// shadow rays to the lamp from where bounces start. Fewer where few hit anything.
 pub fn record(scene: &Scene, rays: usize) -> Vec<RaySet> {
     let built = Backend::ALL[0].build(&scene.meshes, &BuildOptions::default()).expect("builds");
     let mut random = Random(7);
-    let mut last = camera_rays(scene, rays);
+    let mut sets = pass(scene, &*built, &mut random, rays);
+    let enough = sets[0].chunks.len();
+    for _ in 1..PASSES {
+        if sets.iter().all(|set| set.chunks.len() >= enough) {
+            break;
+        }
+        for (set, more) in sets.iter_mut().zip(pass(scene, &*built, &mut random, rays)) {
+            set.chunks.extend(more.chunks);
+            set.chunks.truncate(enough);
+        }
+    }
+    sets.retain(|set| !set.chunks.is_empty());
+    sets
+}
+
+/// One picture.
+fn pass(scene: &Scene, built: &dyn Intersector, random: &mut Random, rays: usize) -> Vec<RaySet> {
+    let mut last = camera_rays(scene, random, rays);
     let mut closest = vec![RaySet::closest("camera".to_string(), Coherence::Coherent, last.clone())];
     let mut any_hit = Vec::new();
     for depth in 1..=scene.bounces {
-        let points = points(scene, &*built, &last);
+        let points = points(scene, built, &last);
         if depth == 1 {
             let reach = OCCLUSION_REACH * scene.bounds().extent().length();
-            let chunks = bounce_rays(&points, &mut random, reach);
+            let chunks = bounce_rays(&points, random, reach);
             any_hit.push(RaySet::any_hit("occlusion".to_string(), chunks));
         }
         if depth <= scene.shadow_depths {
             any_hit.push(RaySet::any_hit(format!("shadow {depth}"), shadow_rays(&points, scene.lamp)));
         }
-        last = bounce_rays(&points, &mut random, f32::INFINITY);
+        last = bounce_rays(&points, random, f32::INFINITY);
         closest.push(RaySet::closest(format!("bounce {depth}"), Coherence::Incoherent, last.clone()));
     }
-    closest.into_iter().chain(any_hit).filter(|set| !set.chunks.is_empty()).collect()
+    closest.into_iter().chain(any_hit).collect()
 }
 
 /// A point on a surface, just off it on the ray's side.
@@ -82,20 +102,21 @@ fn points(scene: &Scene, built: &dyn Intersector, chunks: &[Rays]) -> Vec<Point>
     points
 }
 
-/// A square picture in tiles of 4×4 pixels, a chunk a tile.
-fn camera_rays(scene: &Scene, rays: usize) -> Vec<Rays> {
+/// A square picture in tiles of 4×4 pixels, a chunk a tile, a ray somewhere in each pixel.
+fn camera_rays(scene: &Scene, random: &mut Random, rays: usize) -> Vec<Rays> {
     let tiles = (((rays / LANES) as f64).sqrt() as usize).max(1);
     let side = (4 * tiles) as f32;
-    let tile = |tile: usize| {
+    let mut tile = |tile: usize| {
         let mut chunk = Rays::default();
         for lane in 0..LANES {
             let (x, y) = (tile % tiles * 4 + lane % 4, tile / tiles * 4 + lane / 4);
-            let ray = scene.camera.ray((x as f32 + 0.5) / side, (y as f32 + 0.5) / side, [0.5; 2]);
+            let (x, y) = (x as f32 + random.next(), y as f32 + random.next());
+            let ray = scene.camera.ray(x / side, y / side, [0.5; 2]);
             chunk.set(lane, ray.o, ray.d, 0.0, f32::INFINITY);
         }
         chunk
     };
-    (0..tiles * tiles).map(tile).collect()
+    (0..tiles * tiles).map(&mut tile).collect()
 }
 
 /// A cosine-distributed ray from every point.

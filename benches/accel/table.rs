@@ -12,7 +12,7 @@ pub fn head(scene: &Scene, rays: &[RaySet]) {
     println!("## {}: {} triangles in {} meshes", scene.name, scene.triangles(), scene.meshes.len());
     let counts: Vec<String> = rays.iter().map(|set| format!("{} {}", set.name, set.len())).collect();
     println!("Rays: {}.\n", counts.join(", "));
-    print!("| {:20} | CPU s | 1 thr s |   MiB | peak |", "Mrays/s × yardstick");
+    print!("| {:20} | CPU s | 1 thr s |   MiB |  peak |", "Mrays/s × yardstick");
     rays.iter().for_each(|set| print!(" {:>12} |", set.name));
     print!("   mean |\n|---|--:|--:|--:|--:|");
     rays.iter().for_each(|_| print!("--:|"));
@@ -21,9 +21,9 @@ pub fn head(scene: &Scene, rays: &[RaySet]) {
 
 /// A contestant's row, and warnings where it disagrees with the yardstick.
 pub fn row(name: &str, measured: &Measured, rays: &[RaySet]) {
-    let Measured { build, build_one, mib, peak_mib, speeds } = measured;
-    let peak = peak_mib.map_or("-".to_string(), |peak| format!("{peak:.0}"));
-    print!("| {name:20} | {build:5.2} | {build_one:7.2} | {mib:5.0} | {peak:>4} |");
+    let Measured { build, build_one, mib, speeds } = measured;
+    let (cpu, wall, peak) = (build.cpu, build_one.wall, build.peak_mib);
+    print!("| {name:20} | {cpu:5.2} | {wall:7.2} | {mib:5.0} | {peak:5.0} |");
     speeds.iter().for_each(|s| print!(" {:6.2} ×{:4.2} |", s.mrays, s.ratio));
     // Geometric: twice as fast here and half as fast there is as fast.
     let mean = (speeds.iter().map(|s| s.ratio.ln()).sum::<f64>() / speeds.len() as f64).exp();

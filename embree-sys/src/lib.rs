@@ -44,17 +44,16 @@ unsafe extern "C" {
     pub fn drt_rtc_intersect16(scene: RTCScene, coherent: bool, valid: *const c_int, rays: *mut RTCRayHit16);
     /// Any hit of one ray: `tfar` becomes -∞ where there is one.
     pub fn drt_rtc_occluded1(scene: RTCScene, coherent: bool, rays: *mut RTCRay);
+    /// Closest hits of `count` rays, one by one.
+    pub fn drt_rtc_intersect_each(scene: RTCScene, rays: *mut RTCRayHit, count: usize);
+    /// Any hits of `count` rays, one by one.
+    pub fn drt_rtc_occluded_each(scene: RTCScene, rays: *mut RTCRay, count: usize);
     /// Any hit of 4 rays.
     pub fn drt_rtc_occluded4(scene: RTCScene, coherent: bool, valid: *const c_int, rays: *mut RTCRay4);
     /// Any hit of 8 rays.
     pub fn drt_rtc_occluded8(scene: RTCScene, coherent: bool, valid: *const c_int, rays: *mut RTCRay8);
     /// Any hit of 16 rays.
     pub fn drt_rtc_occluded16(scene: RTCScene, coherent: bool, valid: *const c_int, rays: *mut RTCRay16);
-    /// Closest hits of `count` single rays in an array, in a loop without anything else: what benchmarks measure
-    /// other callers by.
-    pub fn drt_rtc_intersect1_each(scene: RTCScene, rays: *mut RTCRayHit, count: usize);
-    /// Any hit of each of `count` single rays.
-    pub fn drt_rtc_occluded1_each(scene: RTCScene, rays: *mut RTCRay, count: usize);
 }
 
 // What the C side assumes of these structures, checked where they are compiled. The manual asks for 16, 32

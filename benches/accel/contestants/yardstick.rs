@@ -1,61 +1,31 @@
 //! Embree's single-ray calls in a bare loop over rays that lie ready, on the very scene of the Embree backend
 //! (robust, medium quality).
 
-use crate::contest::{Contestant, Tracer};
+use crate::contest::{Contestant, Tracer, timed};
 use crate::record::RaySet;
 use crate::scenes::Scene;
 use drt::accel::embree::Embree;
-use drt::accel::embree::bare::{AnyHit, Closest};
-use drt::accel::{BuildOptions, Intersector};
+use drt::accel::{BuildOptions, Intersector, Mask, Rays};
 
 /// The yardstick.
 pub fn contestant() -> Contestant {
     Contestant::new("embree, bare loop", |scene: &Scene, threads| {
         let options = BuildOptions { threads, ..BuildOptions::default() };
-        let built = Embree::build(&scene.meshes, &options).expect("builds");
-        Bare { built, work: Work::None }
+        Yardstick(Embree::build(&scene.meshes, &options).expect("builds"))
     })
 }
 
-struct Bare {
-    built: Embree,
-    work: Work,
-}
+struct Yardstick(Embree);
 
-enum Work {
-    None,
-    Closest(Closest),
-    AnyHit(AnyHit),
-    Done(Box<dyn Fn() -> usize>),
-}
-
-impl Tracer for Bare {
-    fn load(&mut self, set: &RaySet) {
-        self.work = match set.any_hit {
-            false => Work::Closest(Closest::new(&set.chunks)),
-            true => Work::AnyHit(AnyHit::new(&set.chunks)),
-        };
-    }
-
-    fn trace(&mut self) {
-        self.work = match std::mem::replace(&mut self.work, Work::None) {
-            Work::Closest(rays) => {
-                let traced = rays.trace(&self.built);
-                Work::Done(Box::new(move || traced.hits()))
-            }
-            Work::AnyHit(rays) => {
-                let traced = rays.trace(&self.built);
-                Work::Done(Box::new(move || traced.hits()))
-            }
-            other => other,
-        };
-    }
-
-    fn hits(&self) -> usize {
-        if let Work::Done(hits) = &self.work { hits() } else { 0 }
+impl Tracer for Yardstick {
+    fn trace(&self, set: &RaySet) -> (f64, usize) {
+        let chunks: Vec<(Rays, Mask)> = set.chunks.iter().map(|rays| (rays.clone(), Mask::MAX)).collect();
+        let mut bare = self.0.bare(&chunks);
+        let seconds = timed(|| if set.any_hit { bare.occluded() } else { bare.closest() });
+        (seconds, bare.hits()[set.any_hit as usize])
     }
 
     fn bytes(&self) -> usize {
-        self.built.bytes()
+        self.0.bytes()
     }
 }

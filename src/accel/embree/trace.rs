@@ -88,8 +88,7 @@ fn for_parts<const N: usize>(active: Mask, mut part: impl FnMut(usize)) {
     }
 }
 
-/// One lane as Embree's ray.
-pub(super) fn ray(rays: &Rays, lane: usize) -> sys::RTCRay {
+fn ray(rays: &Rays, lane: usize) -> sys::RTCRay {
     sys::RTCRay {
         org_x: rays.ox[lane],
         org_y: rays.oy[lane],
@@ -106,16 +105,10 @@ pub(super) fn ray(rays: &Rays, lane: usize) -> sys::RTCRay {
     }
 }
 
-/// One lane as Embree's question for the closest hit.
-pub(super) fn query(rays: &Rays, lane: usize) -> sys::RTCRayHit {
+fn closest_one(scene: &Scene, rays: &Rays, lane: usize, hits: &mut Hits) {
     let mut query = sys::RTCRayHit { ray: ray(rays, lane), hit: sys::RTCHit::default() };
     query.hit.geomID = sys::INVALID_ID;
     query.hit.instID = [sys::INVALID_ID];
-    query
-}
-
-fn closest_one(scene: &Scene, rays: &Rays, lane: usize, hits: &mut Hits) {
-    let mut query = query(rays, lane);
     // SAFETY: the scene is committed, the structure is Embree's own type, the ray passed the gate.
     unsafe { sys::drt_rtc_intersect1(scene.handle(), false, &mut query) }
     let hit = query.hit.geomID != MISS;
