@@ -26,8 +26,8 @@
 //! let floor = Mesh::new(vec![[0.0, 0.0, 0.0], [0.0, 0.0, 4.0], [4.0, 0.0, 0.0]], vec![[0, 1, 2]]);
 //! for backend in Backend::ALL {
 //!     let accel = backend.build(&[Arc::new(floor.clone())], &BuildOptions::default())?;
-//!     let hit = accel.closest_one(Vec3::new(1.0, 3.0, 1.0), Vec3::NEG_Y, 0.0, f32::INFINITY);
-//!     assert!(hit.is_some_and(|hit| hit.t == 3.0 && (hit.u, hit.v) == (0.25, 0.25)));
+//!     let hit = accel.closest_one(Vec3::new(1.0, 3.0, 2.0), Vec3::NEG_Y, 0.0, f32::INFINITY);
+//!     assert!(hit.is_some_and(|hit| hit.t == 3.0 && (hit.u, hit.v) == (0.5, 0.25)));
 //! }
 //! # Ok(())
 //! # }
