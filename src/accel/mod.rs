@@ -10,6 +10,28 @@
 //! The interval of a ray is `tmin ≤ t ≤ tmax`; a zero direction or `tmin > tmax` is a clean miss.
 //! Both sides of a triangle are hit. Barycentrics are Embree's: `p = (1−u−v)·v0 + u·v1 + v·v2`.
 //! Triangles of zero area are never hit.
+//!
+//! # Used on its own
+//! The module needs nothing but meshes: [`Backend::build`], then [`Intersector::closest`] and
+//! [`Intersector::occluded`] for chunks of rays, or [`Intersector::closest_one`] for one (`examples/trace.rs` is
+//! a whole program).
+//!
+//! ```
+//! use drt::accel::{Backend, BuildOptions, Intersector};
+//! use drt::math::Vec3;
+//! use drt::shape::Mesh;
+//! use std::sync::Arc;
+//!
+//! # fn main() -> drt::error::Result<()> {
+//! let floor = Mesh::new(vec![[0.0, 0.0, 0.0], [0.0, 0.0, 4.0], [4.0, 0.0, 0.0]], vec![[0, 1, 2]]);
+//! for backend in Backend::ALL {
+//!     let accel = backend.build(&[Arc::new(floor.clone())], &BuildOptions::default())?;
+//!     let hit = accel.closest_one(Vec3::new(1.0, 3.0, 2.0), Vec3::NEG_Y, 0.0, f32::INFINITY);
+//!     assert!(hit.is_some_and(|hit| hit.t == 3.0 && (hit.u, hit.v) == (0.5, 0.25)));
+//! }
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod brute;
 pub mod bvh;
@@ -166,6 +188,30 @@ impl Default for Hits {
     }
 }
 
+impl Hits {
+    /// One lane's hit; `None` where nothing was hit.
+    #[inline]
+    pub fn get(&self, lane: usize) -> Option<Hit> {
+        let (mesh, triangle) = (self.mesh[lane], self.triangle[lane]);
+        (mesh != MISS).then(|| Hit { t: self.t[lane], u: self.u[lane], v: self.v[lane], mesh, triangle })
+    }
+}
+
+/// What one ray hit; the fields are those of [`Hits`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance in multiples of the ray direction's length.
+    pub t: f32,
+    /// Barycentric weight of the second corner.
+    pub u: f32,
+    /// Barycentric weight of the third corner.
+    pub v: f32,
+    /// Index of the mesh.
+    pub mesh: u32,
+    /// Index of the triangle in its mesh.
+    pub triangle: u32,
+}
+
 /// What is known about the rays of a chunk. Changes the speed, and at most the last bits of a hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coherence {
@@ -182,6 +228,15 @@ pub trait Intersector: Send + Sync {
 
     /// The active lanes on whose interval anything is hit.
     fn occluded(&self, rays: Checked<'_>, coherence: Coherence) -> Mask;
+
+    /// The closest hit of one ray on `tmin ≤ t ≤ tmax`; `None` also where [`Rays::check`] refuses it. For a ray now
+    /// and then: chunks are several times as fast.
+    fn closest_one(&self, o: Vec3, d: Vec3, tmin: f32, tmax: f32) -> Option<Hit> {
+        let (mut rays, mut hits) = (Rays::default(), Hits::default());
+        rays.set(0, o, d, tmin, tmax);
+        self.closest(rays.check(1), Coherence::Incoherent, &mut hits);
+        hits.get(0)
+    }
 
     /// Bytes of the structure itself, without the meshes' buffers.
     fn bytes(&self) -> usize;

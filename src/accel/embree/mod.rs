@@ -17,6 +17,7 @@
 //!   and rays take 2–5 times as long through many of them. So all meshes go into one geometry there
 //!   (`merged.rs`), which is as deterministic as *medium*.
 
+pub mod bare;
 mod device;
 mod merged;
 mod near;
