@@ -39,6 +39,7 @@ mod edge_on;
 mod leaks;
 mod meshes;
 mod silhouettes;
+mod watertight;
 
 use drt::accel::brute::Brute;
 use drt::accel::judge::{Judge, Tally};
