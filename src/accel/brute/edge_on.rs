@@ -32,7 +32,7 @@ impl Outline {
 /// Of the origin from a segment.
 fn distance(p: DVec3, q: DVec3) -> f64 {
     let way = q - p;
-    let share = -p.dot(way) / way.length_squared();
-    // No length: NaN, which `max` drops.
-    (p + way * share.max(0.0).min(1.0)).length()
+    let length = way.length_squared();
+    let share = if length > 0.0 { (-p.dot(way) / length).clamp(0.0, 1.0) } else { 0.0 };
+    (p + way * share).length()
 }

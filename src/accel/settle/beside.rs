@@ -81,9 +81,9 @@ fn met(triangles: &impl Triangles, ray: &Ray64, hits: &Hits, i: usize) -> Option
         return None;
     }
     let u = m.u.clamp(0.0, 1.0);
-    let at = Measure { u, v: m.v.clamp(0.0, 1.0 - u), ..m };
+    let at = Measure { u, v: m.v.max(0.0).min(1.0 - u), ..m };
     let candidate = Candidate { ids: [hits.mesh[i], hits.triangle[i]], corners };
-    Some((m.inset > slack, Found::new(candidate, m.t.clamp(ray.tmin, ray.tmax), &at)))
+    Some((m.inset > slack, Found::new(candidate, m.t.max(ray.tmin).min(ray.tmax), &at)))
 }
 
 /// ε·W.
