@@ -30,14 +30,23 @@ impl Found {
     }
 }
 
+/// The triangles that come into a cube.
+pub(super) struct Around {
+    point: DVec3,
+    radius: f64,
+    triangles: Vec<Candidate>,
+}
+
+impl Around {
+    /// Within the cube nothing is left out; what is met behind it may be hidden by what does not come into it.
+    fn holds(&self, p: DVec3) -> bool {
+        (p - self.point).abs().max_element() <= self.radius
+    }
+}
+
 /// The triangles around the point `uv` of a triangle: as far along the ray as an edge can be that the ray passes
 /// within rounding, but never farther than the triangle is long.
-pub(super) fn around(
-    triangles: &impl Triangles,
-    ray: &Ray64,
-    corners: &[DVec3; 3],
-    uv: [f32; 2],
-) -> Vec<Candidate> {
+pub(super) fn around(triangles: &impl Triangles, ray: &Ray64, corners: &[DVec3; 3], uv: [f32; 2]) -> Around {
     let [a, b, c] = *corners;
     let longest = (b - a).length().max((c - b).length()).max((a - c).length());
     let across = 2.0 * ROUNDINGS * rounding(ray, corners);
@@ -58,20 +67,21 @@ pub(super) fn around(
             found.push(Candidate { ids, corners });
         }
     });
-    found
+    Around { point, radius, triangles: found }
 }
 
 /// The triangle that the ray passes farthest inside of, where that is not `found`. What lies behind a triangle that is
 /// met without doubt is none: where `found` is seen edge-on, `around` reaches as far as it is long.
-pub(super) fn best_met(ray: &Ray64, found: &Candidate, around: &[Candidate]) -> Option<Found> {
+pub(super) fn best_met(ray: &Ray64, found: &Candidate, around: &Around) -> Option<Found> {
     let margin = |other: &Candidate| MISSED * rounding(ray, &other.corners);
     let on_ray = |other: &Candidate| {
         // Where its plane is met is not where it is.
         let m = Measure::of(ray, other.corners).filter(|m| !is_edge_on(ray, &other.corners, m.cos))?;
         let on = ray.tmin <= m.t && m.t <= ray.tmax && m.inset >= -margin(other);
+        let on = on && around.holds(ray.o + ray.d * m.t);
         on.then_some((*other, m))
     };
-    let met: Vec<(Candidate, Measure)> = around.iter().filter_map(on_ray).collect();
+    let met: Vec<(Candidate, Measure)> = around.triangles.iter().filter_map(on_ray).collect();
     let sure = met.iter().filter(|(other, m)| m.inset > margin(other)).map(|(_, m)| m.t);
     let end = sure.fold(f64::INFINITY, f64::min);
     let order = |x: &(Candidate, Measure), y: &(Candidate, Measure)| {
@@ -86,7 +96,7 @@ pub(super) fn best_met(ray: &Ray64, found: &Candidate, around: &[Candidate]) -> 
 ///
 /// The moved ray says which one it is. Where the ray itself meets that one, it says where: a wall that ends on a floor
 /// hands its hit to the floor, on which the two rays can be far apart.
-pub(super) fn hiding(ray: &Ray64, aimed: &Aimed, found: &Candidate, around: &[Candidate]) -> Option<Found> {
+pub(super) fn hiding(ray: &Ray64, aimed: &Aimed, found: &Candidate, around: &Around) -> Option<Found> {
     let moved = &aimed.ray;
     let own = Measure::of(moved, found.corners)?;
     let met = |other: &Candidate| {
@@ -108,6 +118,7 @@ pub(super) fn hiding(ray: &Ray64, aimed: &Aimed, found: &Candidate, around: &[Ca
     let order = |x: &(f64, Found), y: &(f64, Found)| {
         x.0.total_cmp(&y.0).then(x.1.candidate.ids.cmp(&y.1.candidate.ids))
     };
-    let nearest = around.iter().filter(|other| other.ids != found.ids).filter_map(met).min_by(order)?;
+    let nearest =
+        around.triangles.iter().filter(|other| other.ids != found.ids).filter_map(met).min_by(order)?;
     Some(nearest.1)
 }
