@@ -1,9 +1,14 @@
 //! The f64 judge: every triangle tested, no tree, no shared code with any backend.
 //!
 //! A triangle is met by signed volumes relative to the ray's origin: U = d·(C×B), V = d·(A×C), W = d·(B×A) have
-//! one sign when the line passes inside. Neighbours compute a shared edge's volume with exactly opposite signs (each
-//! product and difference of the cross product is the other's negative), so closed surfaces stay closed here too.
-//! With f64's 2⁻⁵³ the judge is some 10⁸ times sharper than what it judges.
+//! one sign when the line passes inside. Their signs are exact (`exact.rs`), so neighbours never disagree about a shared
+//! edge, and with f64's 2⁻⁵³ the rest of the judge is some 10⁸ times sharper than what it judges.
+
+mod edge_on;
+mod exact;
+
+pub use edge_on::Outline;
+use exact::volume;
 
 use super::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, Rays};
 use crate::math::{DVec3, Vec3};
@@ -53,13 +58,28 @@ pub struct Measure {
 }
 
 impl Measure {
-    /// Measures a triangle; `None` when the line runs within the plane, or the triangle has no area.
+    /// Measures a triangle in f64; `None` when the line runs within the plane, or the triangle has no area.
     pub fn of(ray: &Ray64, corners: [DVec3; 3]) -> Option<Measure> {
         let [a, b, c] = corners.map(|p| p - ray.o);
         let volumes = [ray.d.dot(c.cross(b)), ray.d.dot(a.cross(c)), ray.d.dot(b.cross(a))];
         let n = (b - a).cross(c - a);
+        Measure::with(ray, [a, b, c], volumes, ray.d.dot(n))
+    }
+
+    /// As [`Measure::of`], with the sides on which the edges are passed, and whether the line runs within the plane, beyond
+    /// doubt; slower where they are in doubt.
+    pub fn exactly(ray: &Ray64, corners: [DVec3; 3]) -> Option<Measure> {
+        let [a, b, c] = corners;
+        let facing = volume(ray.d, a, b, c);
+        Measure::with(ray, corners.map(|p| p - ray.o), volumes(ray, corners), facing)
+    }
+
+    /// `corners`: from the ray's origin; `facing`: d·n.
+    #[inline(always)]
+    fn with(ray: &Ray64, corners: [DVec3; 3], volumes: [f64; 3], facing: f64) -> Option<Measure> {
+        let [a, b, c] = corners;
+        let n = (b - a).cross(c - a);
         let det: f64 = volumes.iter().sum();
-        let facing = ray.d.dot(n);
         if det == 0.0 || facing == 0.0 {
             return None;
         }
@@ -80,6 +100,12 @@ impl Measure {
             cos: (facing / (n.length() * ray.d.length())).abs(),
         })
     }
+}
+
+/// U, V and W: of which edge the ray passes on which side.
+#[inline]
+fn volumes(ray: &Ray64, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
+    [volume(ray.d, ray.o, c, b), volume(ray.d, ray.o, a, c), volume(ray.d, ray.o, b, a)]
 }
 
 /// True when the triangle has area: f64 differences and products of f32 numbers, so that exactly collinear
@@ -145,7 +171,7 @@ impl Brute {
     /// The triangles that come within `slack` (length) of the ray with `lo ≤ t ≤ hi`: near-ties and near-misses.
     pub fn hits_within(&self, ray: &Ray64, lo: f64, hi: f64, slack: f64) -> Vec<(Measure, u32, u32)> {
         let near = |(corners, mesh, triangle): &([DVec3; 3], u32, u32)| {
-            let m = Measure::of(ray, *corners)?;
+            let m = Measure::exactly(ray, *corners)?;
             (m.inset >= -slack && lo <= m.t && m.t <= hi).then_some((m, *mesh, *triangle))
         };
         self.triangles.iter().filter_map(near).collect()
@@ -155,15 +181,15 @@ impl Brute {
 /// t, u and v where the ray's line meets the triangle, edges included.
 #[inline]
 fn meet(ray: &Ray64, corners: [DVec3; 3]) -> Option<(f64, f64, f64)> {
-    let [a, b, c] = corners.map(|p| p - ray.o);
-    let (u, v, w) = (ray.d.dot(c.cross(b)), ray.d.dot(a.cross(c)), ray.d.dot(b.cross(a)));
+    let [u, v, w] = volumes(ray, corners);
     if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
         return None;
     }
+    let [a, b, c] = corners;
     let det = u + v + w;
     let n = (b - a).cross(c - a);
-    let facing = ray.d.dot(n);
-    (det != 0.0 && facing != 0.0).then(|| (a.dot(n) / facing, v / det, w / det))
+    let facing = volume(ray.d, a, b, c);
+    (det != 0.0 && facing != 0.0).then(|| ((a - ray.o).dot(n) / facing, v / det, w / det))
 }
 
 impl Intersector for Brute {

@@ -7,9 +7,13 @@
 //! changes t·|d| by p/cos, cos the cosine between ray and normal; hence distances are compared as |Δt|·|d|·cos. (A
 //! bare relative tolerance on t would have to be 3.5·10⁻⁴ to admit grazing hits.)
 
+mod tally;
+
+pub use tally::{Disagreement, KEPT, Tally};
+
 use super::brute::{Brute, Measure, Ray64};
 use super::{Checked, Hits, LANES, MISS, Rays};
-use crate::math::{DVec3, Vec3};
+use crate::math::DVec3;
 use crate::shape::Mesh;
 use std::sync::Arc;
 
@@ -20,9 +24,6 @@ pub const PLANE: f64 = 8.0;
 /// How far across the ray an edge may be displaced, in ε·W: an offset from the origin is at most 2·W and its
 /// two sheared components carry up to 6·2⁻²⁴ of it each, √2·6 ε·W together; twice that for two backends.
 pub const ACROSS: f64 = 16.0;
-
-/// Disagreements that a [`Tally`] keeps in full.
-pub const KEPT: usize = 100;
 
 /// One backend's hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,76 +68,6 @@ pub enum Verdict {
     Real,
 }
 
-/// Counts of verdicts.
-#[derive(Clone, Debug, Default)]
-pub struct Tally {
-    /// Rays compared.
-    pub rays: u64,
-    /// [`Verdict::Same`].
-    pub same: u64,
-    /// [`Verdict::Tie`].
-    pub tie: u64,
-    /// [`Verdict::Edge`].
-    pub edge: u64,
-    /// [`Verdict::Graze`].
-    pub graze: u64,
-    /// [`Verdict::Real`].
-    pub real: u64,
-    /// Rays that one backend says hit and the other says miss, whatever the verdict.
-    pub hit_miss: u64,
-    /// The first [`KEPT`] real disagreements.
-    pub kept: Vec<Disagreement>,
-}
-
-/// A ray and its two answers.
-#[derive(Clone, Copy, Debug)]
-pub struct Disagreement {
-    /// Origin.
-    pub o: Vec3,
-    /// Direction.
-    pub d: Vec3,
-    /// Start of the interval.
-    pub tmin: f32,
-    /// End of the interval.
-    pub tmax: f32,
-    /// The first backend's answer.
-    pub first: Option<Answer>,
-    /// The second backend's answer.
-    pub second: Option<Answer>,
-}
-
-impl Tally {
-    /// Adds the counts of `other` and as many of its kept disagreements as there is room for.
-    pub fn merge(&mut self, other: Tally) {
-        self.rays += other.rays;
-        self.same += other.same;
-        self.tie += other.tie;
-        self.edge += other.edge;
-        self.graze += other.graze;
-        self.real += other.real;
-        self.hit_miss += other.hit_miss;
-        let room = KEPT.saturating_sub(self.kept.len());
-        self.kept.extend(other.kept.into_iter().take(room));
-    }
-
-    fn add(&mut self, verdict: Verdict, case: Disagreement) {
-        self.rays += 1;
-        self.hit_miss += (case.first.is_some() != case.second.is_some()) as u64;
-        match verdict {
-            Verdict::Same => self.same += 1,
-            Verdict::Tie => self.tie += 1,
-            Verdict::Edge => self.edge += 1,
-            Verdict::Graze => self.graze += 1,
-            Verdict::Real => {
-                self.real += 1;
-                if self.kept.len() < KEPT {
-                    self.kept.push(case);
-                }
-            }
-        }
-    }
-}
-
 /// Judges answers about one list of meshes. Costs a few hundred operations a ray.
 pub struct Judge {
     meshes: Vec<Arc<Mesh>>,
@@ -164,7 +95,7 @@ pub(crate) struct Seen {
 impl Seen {
     /// Measures a triangle; `None` where the ray runs within its plane, or it has no area.
     pub(crate) fn of(ray: &Ray64, corners: [DVec3; 3]) -> Option<Seen> {
-        let measure = Measure::of(ray, corners)?;
+        let measure = Measure::exactly(ray, corners)?;
         let [a, b, c] = corners;
         let largest = [ray.o, a, b, c].iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
         let diameter = (b - a).length().max((c - b).length()).max((a - c).length());

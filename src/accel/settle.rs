@@ -12,27 +12,30 @@
 //! edge with exactly opposite signs (as the judge's do), so along the moved ray the surface is closed, and a ray
 //! from outside meets the side that looks outside. Nothing is assumed of the meshes: where no triangle hides
 //! the one that was found, and at every border of an open surface, the hit stays what it was, to the bit.
+//!
+//! A triangle seen edge-on is a matter of its own: Embree's distance to it may be anything, and hide what the ray clearly
+//! meets before. [`beside`] asks again, past such a triangle.
 
-use super::brute::{Measure, Ray64};
+mod aim;
+mod beside;
+mod candidates;
+
+use super::brute::Ray64;
 use super::{Hits, LANES, MISS, Mask, Rays};
 use crate::math::{DVec3, Vec3};
+use aim::aim_inside;
+use beside::look_beside;
+use candidates::{Candidate, Found, around, best_met, hiding};
 
 /// Hits nearer to an edge than this many roundings of the corners' largest offset from the ray's origin are
 /// looked at again. Backends' edge functions are off by up to about four; the rest is for the order of two
 /// triangles that meet at an acute angle, whose distances from the ray's origin differ by less than the inset.
 const ROUNDINGS: f64 = 16.0;
 
-/// How far inside, in roundings, the ray is moved: far beyond what f64 makes of the same offsets (2⁻²⁸), far below
-/// what f32 can tell. The next smaller one where the corner is too sharp for the one before.
-const INSIDE: [f64; 3] = [1.0 / (1 << 6) as f64, 1.0 / (1 << 12) as f64, 1.0 / (1 << 18) as f64];
-
-/// How far, in roundings, the ray may be moved for that.
+/// How far, in roundings, a ray may be moved to get inside a triangle.
 pub(crate) const FARTHEST: f64 = 64.0;
 
-/// How many roundings outside a triangle a ray may pass that a backend takes to meet it, with one to spare.
-const MISSED: f64 = 5.0;
-
-/// What a backend tells of its triangles. Neither function may panic.
+/// What a backend tells of its triangles. No function may panic.
 pub(super) trait Triangles {
     /// The corners of the triangle that `lane` hit.
     fn hit(&self, hits: &Hits, lane: usize) -> [Vec3; 3];
@@ -40,6 +43,12 @@ pub(super) trait Triangles {
     /// Calls `each` with mesh, triangle and corners of at least all triangles whose boxes come within `radius`
     /// of `point`.
     fn around(&self, point: Vec3, radius: f32, each: &mut dyn FnMut([u32; 2], [Vec3; 3]));
+
+    /// The closest hits, not settled, of other rays. `None` from a backend that keeps the distance to a triangle within
+    /// the triangle's box, however it is seen: nothing can be hidden by it then that [`Triangles::around`] does not find.
+    fn ask(&self, _rays: &Rays, _active: Mask) -> Option<Hits> {
+        None
+    }
 }
 
 /// Settles the hits of a chunk.
@@ -74,155 +83,34 @@ fn is_in_doubt(rays: &Rays, hits: &Hits, lane: usize, corners: [Vec3; 3]) -> boo
     !clear
 }
 
-/// A triangle that may be the hit.
-#[derive(Clone, Copy)]
-struct Candidate {
-    ids: [u32; 2],
-    corners: [DVec3; 3],
-}
-
-/// A ray moved inside a triangle. It starts there and not at the eye, so that what is compared is small.
-struct Aimed {
-    ray: Ray64,
-    /// Where the original ray has arrived at that start.
-    t: f64,
-}
-
 #[cold]
 fn settle_one(triangles: &impl Triangles, rays: &Rays, lane: usize, corners: [Vec3; 3], hits: &mut Hits) {
     let ray = Ray64::of(rays, lane);
     let ids = [hits.mesh[lane], hits.triangle[lane]];
-    let mut found = Candidate { ids, corners: corners.map(|p| p.as_dvec3()) };
+    let first = Candidate { ids, corners: corners.map(|p| p.as_dvec3()) };
+    let mut of = first;
     // A front, a sliver or two at the silhouette, a back; more than three rounds have not been seen.
     for _ in 0..8 {
-        let around = around(triangles, &ray, &found.corners, [hits.u[lane], hits.v[lane]]);
-        found = match aim_inside(&ray, &found.corners) {
-            Some(aimed) => {
-                let Some((nearest, m)) = hiding(&aimed, &found, &around) else { return };
-                (hits.t[lane], hits.u[lane], hits.v[lane]) = ((aimed.t + m.t) as f32, m.u as f32, m.v as f32);
-                [hits.mesh[lane], hits.triangle[lane]] = nearest.ids;
-                nearest
-            }
+        let around = around(triangles, &ray, &of.corners, [hits.u[lane], hits.v[lane]]);
+        let better = match aim_inside(&ray, &of.corners) {
+            Some(aimed) => hiding(&ray, &aimed, &of, &around),
             // The ray does not come near enough to where this one is wide enough: another does better.
-            None => {
-                let Some((better, m)) = best_met(&ray, &found, &around) else { return };
-                (hits.t[lane], hits.u[lane], hits.v[lane]) = (m.t as f32, m.u as f32, m.v as f32);
-                [hits.mesh[lane], hits.triangle[lane]] = better.ids;
-                better
-            }
+            None => best_met(&ray, &of, &around),
         };
+        let Some(better) = better else { break };
+        write(&better, lane, hits);
+        of = better.candidate;
     }
+    look_beside(triangles, rays, lane, [&first, &of], hits);
 }
 
-/// The triangle that the ray passes farthest inside of, where that is not `found`. What lies behind a triangle that is
-/// met without doubt is none: where `found` is seen edge-on, `around` reaches as far as it is long.
-fn best_met(ray: &Ray64, found: &Candidate, around: &[Candidate]) -> Option<(Candidate, Measure)> {
-    let margin = |other: &Candidate| MISSED * rounding(ray, &other.corners);
-    let on_ray = |other: &Candidate| {
-        let m = Measure::of(ray, other.corners)?;
-        let on = ray.tmin <= m.t && m.t <= ray.tmax && m.inset >= -margin(other);
-        on.then_some((*other, m))
-    };
-    let met: Vec<(Candidate, Measure)> = around.iter().filter_map(on_ray).collect();
-    let sure = met.iter().filter(|(other, m)| m.inset > margin(other)).map(|(_, m)| m.t);
-    let end = sure.fold(f64::INFINITY, f64::min);
-    let order = |x: &(Candidate, Measure), y: &(Candidate, Measure)| {
-        x.1.inset.total_cmp(&y.1.inset).then(y.0.ids.cmp(&x.0.ids))
-    };
-    let best = met.into_iter().filter(|(_, m)| m.t <= end).max_by(order)?;
-    (best.0.ids != found.ids).then_some(best)
-}
-
-/// The triangles around the point `uv` of a triangle: as far along the ray as an edge can be that the ray passes
-/// within rounding, but never farther than the triangle is long.
-fn around(triangles: &impl Triangles, ray: &Ray64, corners: &[DVec3; 3], uv: [f32; 2]) -> Vec<Candidate> {
-    let [a, b, c] = *corners;
-    let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-    let across = 2.0 * ROUNDINGS * rounding(ray, corners);
-    let along = Measure::of(ray, *corners).map_or(longest, |m| (across / m.cos).min(longest));
-    // Not o + t·d: seen edge-on, t may lie far from the triangle.
-    let [u, v] = uv.map(|w| f64::from(w.clamp(0.0, 1.0)));
-    let scale = 1.0 / (u + v).max(1.0);
-    let point = a + ((b - a) * u + (c - a) * v) * scale;
-    // The query's centre is rounded to f32.
-    let radius = along + across + 2.0 * f64::from(f32::EPSILON) * point.abs().max_element();
-    let mut found = Vec::new();
-    triangles.around(point.as_vec3(), radius as f32, &mut |ids, corners| {
-        // Which others share a leaf is the tree's affair; the answer is not.
-        let corners = corners.map(|p| p.as_dvec3());
-        let [a, b, c] = corners.map(|p| p - point);
-        let near = a.min(b).min(c).max_element() <= radius && a.max(b).max(c).min_element() >= -radius;
-        if near {
-            found.push(Candidate { ids, corners });
-        }
-    });
-    found
+fn write(found: &Found, lane: usize, hits: &mut Hits) {
+    (hits.t[lane], hits.u[lane], hits.v[lane]) = (found.t as f32, found.u as f32, found.v as f32);
+    [hits.mesh[lane], hits.triangle[lane]] = found.candidate.ids;
 }
 
 /// One rounding of the largest offset of the corners from the ray's origin.
 fn rounding(ray: &Ray64, corners: &[DVec3; 3]) -> f64 {
     let largest = corners.iter().fold(DVec3::ZERO, |w, p| w.max((*p - ray.o).abs()));
     f64::from(f32::EPSILON) * largest.max_element()
-}
-
-/// The ray moved, at the triangle, to [`INSIDE`] of all three edges, or as far inside as takes it no farther away
-/// than [`FARTHEST`]: at grazing incidence a corner looks like the tip of a needle.
-fn aim_inside(ray: &Ray64, corners: &[DVec3; 3]) -> Option<Aimed> {
-    let m = Measure::of(ray, *corners)?;
-    let unit = rounding(ray, corners);
-    let start = ray.o + ray.d * m.t;
-    let check = |moved: DVec3, inside: f64| {
-        // Across the ray only, so that it still takes t to get there.
-        let moved = moved - ray.d * (moved.dot(ray.d) / ray.d.length_squared());
-        let (o, d) = (start + moved, ray.d + moved / m.t);
-        let aimed = Ray64 { o, d, tmin: ray.tmin - m.t, tmax: ray.tmax - m.t };
-        let fits = m.t > 0.0 && moved.length() <= FARTHEST * unit;
-        (fits && Measure::of(&aimed, *corners)?.inset >= 0.5 * inside).then_some(Aimed { ray: aimed, t: m.t })
-    };
-    INSIDE.into_iter().map(|inside| inside * unit).find_map(|inside| {
-        check(from_edge(ray, corners, start, inside)?, inside)
-            .or_else(|| check(from_corner(ray, corners, &m, inside) - start, inside))
-    })
-}
-
-/// The shortest way from `start` to `inside` of the nearest edge, or of the one most missed.
-fn from_edge(ray: &Ray64, corners: &[DVec3; 3], start: DVec3, inside: f64) -> Option<DVec3> {
-    let [a, b, c] = *corners;
-    let side = ray.d.dot((b - a).cross(c - a)).signum();
-    let way = |(from, to): (DVec3, DVec3)| {
-        // n × edge points inwards; d stands for n, so that the way is across the ray.
-        let inwards = (ray.d.cross(to - from) * side).try_normalize()?;
-        Some(inwards * (inside - (start - from).dot(inwards)).max(0.0))
-    };
-    [(a, b), (b, c), (c, a)].into_iter().filter_map(way).max_by(|x, y| x.length().total_cmp(&y.length()))
-}
-
-/// The point of the triangle that is `inside` of two edges, or of the one edge that is nearer than that.
-fn from_corner(ray: &Ray64, corners: &[DVec3; 3], m: &Measure, inside: f64) -> DVec3 {
-    let [a, b, c] = *corners;
-    let area = ray.d.dot((b - a).cross(c - a)).abs();
-    let mut weights = [1.0 - m.u - m.v, m.u, m.v];
-    let largest = (0..3).fold(0, |l, k| if weights[k] > weights[l] { k } else { l });
-    // Area over opposite edge is a corner's height: what the weight 1 stands for.
-    for (k, edge) in [c - b, a - c, b - a].into_iter().enumerate().filter(|(k, _)| *k != largest) {
-        weights[k] = weights[k].max(inside * ray.d.cross(edge).length() / area);
-    }
-    weights[largest] = 1.0 - weights[(largest + 1) % 3] - weights[(largest + 2) % 3];
-    a * weights[0] + b * weights[1] + c * weights[2]
-}
-
-/// The nearest triangle in front of `found`, if there is one; of equally near ones that with the lowest ids, so
-/// that the order in which a backend lists them does not matter.
-fn hiding(aimed: &Aimed, found: &Candidate, around: &[Candidate]) -> Option<(Candidate, Measure)> {
-    let ray = &aimed.ray;
-    let own = Measure::of(ray, found.corners)?;
-    let met = |other: &Candidate| {
-        let m = Measure::of(ray, other.corners)?;
-        let hides = m.inset >= 0.0 && ray.tmin <= m.t && m.t <= ray.tmax && m.t < own.t;
-        hides.then_some((*other, m))
-    };
-    let order = |x: &(Candidate, Measure), y: &(Candidate, Measure)| {
-        x.1.t.total_cmp(&y.1.t).then(x.0.ids.cmp(&y.0.ids))
-    };
-    around.iter().filter(|other| other.ids != found.ids).filter_map(met).min_by(order)
 }

@@ -11,7 +11,7 @@ use clap::Args;
 use drt::diff::court::Court;
 use drt::diff::report::{json, table};
 use drt::diff::reproducer::{Reproducer, minimal};
-use drt::diff::{self, Class, Contestant, Hooks, Report};
+use drt::diff::{self, Contestant, Hooks, Report};
 use drt::error::{Error, Result, show_path};
 use drt::load::{self, Loaded, Override};
 use drt::output;
@@ -24,6 +24,10 @@ use std::sync::Arc;
 /// Reproducers written at most.
 const CASES: usize = 20;
 
+/// Bytes a ray of each kind: seven kinds of rays of 36 bytes, twice as many while three of them are recorded, and two
+/// contestants' answers of 22 bytes.
+const RAY_BYTES: u64 = 7 * (36 + 2 * 22) + 3 * 36;
+
 /// The flags of `drt diff-backends`.
 #[derive(Args)]
 pub struct DiffArgs {
@@ -34,6 +38,15 @@ pub struct DiffArgs {
     /// Rays of each kind, 1 to 100000000 (30000 by default)
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub rays: Option<String>,
+
+    /// Who is asked: bvh, embree, embree-fast, each with an instruction set and a build quality if you like; several
+    /// with commas (e.g. bvh,embree-avx2-low,fast), or all. The first is the one that the others are compared with
+    #[arg(long, value_name = "LIST")]
+    pub contestants: Option<String>,
+
+    /// Let real disagreements of embree-fast, which is not watertight, count as failures too
+    #[arg(long)]
+    pub fast_counts: bool,
 
     /// Write the report as JSON to standard output, instead of the table
     #[arg(long)]
@@ -51,6 +64,7 @@ pub struct DiffArgs {
 struct Job {
     args: DiffArgs,
     rays: u64,
+    contestants: Vec<Contestant>,
     threads: usize,
     style: Style,
     console: Console,
@@ -65,6 +79,7 @@ pub fn run(args: DiffArgs) -> Result<(), Failure> {
     let threads = args.study.threads()?;
     let job = Job {
         rays: whole("--rays", args.rays.as_deref(), 1, 100_000_000, 30_000)?,
+        contestants: contestants(&args)?,
         threads,
         style: args.study.style()?,
         console: args.study.console(),
@@ -79,6 +94,15 @@ pub fn run(args: DiffArgs) -> Result<(), Failure> {
     pool.install(|| job.work())
 }
 
+fn contestants(args: &DiffArgs) -> Result<Vec<Contestant>> {
+    let mut all = match &args.contestants {
+        Some(list) => Contestant::named(list)?,
+        None => Contestant::usual(),
+    };
+    all.iter_mut().for_each(|contestant| contestant.counts |= args.fast_counts);
+    Ok(all)
+}
+
 /// The folder, if it can be made; it is checked before any work is done for it.
 fn make(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, &e))?;
@@ -87,9 +111,8 @@ fn make(folder: &Path) -> Result<()> {
 
 impl Job {
     fn work(&self) -> Result<(), Failure> {
-        let contestants = Contestant::all();
         if let Some(reproducer) = Reproducer::read(&self.args.input)? {
-            let report = self.replay(&reproducer, &contestants)?;
+            let report = self.replay(&reproducer, &self.contestants)?;
             return self.conclude(&report, &reproducer.meshes, None);
         }
         let loaded = self.load().map_err(|e| self.ended_early("loading", e))?;
@@ -98,13 +121,15 @@ impl Job {
         let outputs: Vec<PathBuf> = report_file.into_iter().collect();
         paths::check_inputs(&outputs, None, loaded.files.iter().map(PathBuf::as_path))?;
         let (scene, settings) = (&loaded.scene, &loaded.settings);
-        machine::check_memory(machine::prediction(scene.triangles(), settings))?;
+        let needed = machine::prediction(scene.triangles(), settings) + self.rays * RAY_BYTES;
+        machine::check_memory(needed)
+            .map_err(|e| e.advise("take fewer --rays, or a machine with more memory"))?;
         let phase = Phase::begin(self.style, "diff");
         let hooks = Hooks { progress: &|share| phase.show_share(share), stop: &|| self.signals.stop() };
-        let report = diff::run(scene, settings, &contestants, self.rays, &hooks)
+        let report = diff::run(scene, settings, &self.contestants, self.rays, &hooks)
             .map_err(|e| self.ended_early("comparing", e))?;
         drop(phase);
-        self.conclude(&report, &scene.meshes, Some(&contestants))
+        self.conclude(&report, &scene.meshes, Some(&self.contestants))
     }
 
     fn replay(&self, reproducer: &Reproducer, contestants: &[Contestant]) -> Result<Report> {
@@ -167,7 +192,7 @@ impl Job {
             let message = format!("stopped by {name}; what was finished was reported");
             return Err(Failure::Stopped { signal, message });
         }
-        let real = report.of(Class::Real);
+        let real = report.failures();
         let Some(case) = report.cases.first() else { return Ok(()) };
         let error = Error::new(format!("{real} real disagreements, the first: {}", report.sentence(case)));
         Err(Failure::Error(match files.first() {

@@ -145,10 +145,12 @@ WHAT THE TABLE SAYS
     sliver    the triangle is no wider than rounding
     real      one of the two is wrong: exit code 1, and a reproducer (case-N.toml, case-N.obj) is written
   hit/miss counts those where one hits and the other does not, leaks those where one slips through a closed
-  surface at an edge or a vertex. Speeds are of wall time, on all threads.
+  surface at an edge or a vertex. Speeds are of wall time, on all threads. embree-fast is Embree without its
+  robust flag: shown for comparison, and no reason to fail.
 
 EXAMPLES
   drt diff-backends scan.obj --rays 1000000 -o found
+  drt diff-backends scan.obj --contestants bvh-medium,embree-avx2
   drt diff-backends found/case-1.toml
 ";
 

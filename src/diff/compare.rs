@@ -1,15 +1,15 @@
 //! Asking everybody and comparing each with the first.
 
+use super::class::{Class, Finding};
 use super::contestants::Contestant;
-use super::court::{Class, Court, Finding};
+use super::court::Court;
+use super::outcome::{Answers, Case, Outcome, Report, Tally};
 use super::rays::{Chunk, Kind, RaySet};
 use super::{Hooks, aimed, rays};
 use crate::accel::brute::Ray64;
 use crate::accel::judge::Answer;
 use crate::accel::{Coherence, Hits, Intersector, LANES, Mask};
 use crate::error::Result;
-use crate::math::Vec3;
-use crate::math::isa::Isa;
 use crate::scene::{Scene, Settings};
 use crate::shape::Mesh;
 use rayon::prelude::*;
@@ -18,105 +18,6 @@ use std::time::Instant;
 
 /// Real disagreements that a contestant keeps in full, a kind of ray.
 pub const KEPT: usize = 3;
-
-/// All that was found.
-#[derive(Clone, Debug)]
-pub struct Report {
-    /// How many rays of each kind were asked.
-    pub rays: Vec<(Kind, u64)>,
-    /// What each contestant did; the first is the one that the others are compared with.
-    pub outcomes: Vec<Outcome>,
-    /// The first real disagreements.
-    pub cases: Vec<Case>,
-    /// False when it was stopped before the last contestant.
-    pub complete: bool,
-}
-
-/// What one contestant did.
-#[derive(Clone, Debug)]
-pub struct Outcome {
-    /// Backend, instruction set, quality.
-    pub name: String,
-    /// The backend's name.
-    pub backend: String,
-    /// The instruction set.
-    pub isa: Isa,
-    /// The build's quality.
-    pub quality: &'static str,
-    /// Wall time of the build.
-    pub build_seconds: f64,
-    /// Bytes of the structure.
-    pub bytes: usize,
-    /// Its answers compared with the first contestant's, a kind of ray each.
-    pub tallies: Vec<Tally>,
-}
-
-/// Counts of one contestant and kind of ray. `rays` is the sum of `same` and `classes`.
-#[derive(Clone, Copy, Debug)]
-pub struct Tally {
-    /// The kind.
-    pub kind: Kind,
-    /// Rays compared.
-    pub rays: u64,
-    /// Rays with the same answers.
-    pub same: u64,
-    /// Rays with different ones, in the order of [`Class::ALL`].
-    pub classes: [u64; Class::ALL.len()],
-    /// Of those, the ones that one hits and the other misses.
-    pub hit_miss: u64,
-    /// Of those, the ones that slipped through a closed surface at an edge or a vertex.
-    pub leaks: u64,
-    /// Wall time of its own question: closest hits, of shadow rays whether anything is in the way.
-    pub seconds: f64,
-}
-
-impl Tally {
-    fn new(kind: Kind, seconds: f64) -> Tally {
-        Tally { kind, rays: 0, same: 0, classes: [0; Class::ALL.len()], hit_miss: 0, leaks: 0, seconds }
-    }
-
-    /// How many of a class.
-    pub fn of(&self, class: Class) -> u64 {
-        self.classes[class as usize]
-    }
-
-    /// Millions of rays a second.
-    pub fn speed(&self) -> Option<f64> {
-        (self.rays > 0 && self.seconds > 0.0).then(|| self.rays as f64 / self.seconds * 1e-6)
-    }
-}
-
-/// What a ray was asked.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Answers {
-    /// The closest hit.
-    Closest([Option<Answer>; 2]),
-    /// Whether anything is in the way.
-    Blocked([bool; 2]),
-}
-
-/// A real disagreement.
-#[derive(Clone, Debug)]
-pub struct Case {
-    /// Where the ray comes from.
-    pub kind: Kind,
-    /// Origin.
-    pub o: Vec3,
-    /// Direction.
-    pub d: Vec3,
-    /// Start of the interval.
-    pub tmin: f32,
-    /// End of the interval.
-    pub tmax: f32,
-    /// Which contestants.
-    pub contestants: [usize; 2],
-    /// What they said.
-    pub answers: Answers,
-    /// What f64 says.
-    pub truth: Option<Answer>,
-    /// Whom f64 refutes.
-    pub wrong: [bool; 2],
-}
 
 /// Records about `most` rays of each kind of a render of `scene`, makes as many at vertices, edges, axes and
 /// planes, and asks all `contestants`.
@@ -173,7 +74,8 @@ pub fn ask(
                 break;
             }
             let traced = Traced::of(&*accel, set);
-            let compared = compare(&court, set, first.get(i).unwrap_or(&traced), &traced, index);
+            let pair = [first.get(i).unwrap_or(&traced), &traced];
+            let compared = compare(&court, set, pair, index, contestant.counts);
             outcome.tallies.push(compared.tally);
             report.add_cases(compared.cases);
             if index == 0 {
@@ -202,32 +104,6 @@ fn built(
         Ok(accel) => Ok(Some(accel)),
         Err(_) if (hooks.stop)() => Ok(None),
         Err(error) => Err(error),
-    }
-}
-
-impl Outcome {
-    fn new(contestant: &Contestant, build_seconds: f64, bytes: usize) -> Outcome {
-        Outcome {
-            name: contestant.name(),
-            backend: contestant.backend.clone(),
-            isa: contestant.isa,
-            quality: contestant.quality.name(),
-            build_seconds,
-            bytes,
-            tallies: Vec::new(),
-        }
-    }
-}
-
-impl Report {
-    /// A ray that is known already tells nothing new: its reproducer asks everybody.
-    fn add_cases(&mut self, cases: Vec<Case>) {
-        let ray = |c: &Case| (c.o, c.d, c.tmin, c.tmax);
-        for case in cases {
-            if !self.cases.iter().any(|known| ray(known) == ray(&case)) {
-                self.cases.push(case);
-            }
-        }
     }
 }
 
@@ -266,13 +142,19 @@ struct Compared {
     cases: Vec<Case>,
 }
 
-fn compare(court: &Court, set: &RaySet, first: &Traced, second: &Traced, index: usize) -> Compared {
+fn compare(
+    court: &Court,
+    set: &RaySet,
+    [first, second]: [&Traced; 2],
+    index: usize,
+    counts: bool,
+) -> Compared {
     let chunk = |i: usize| {
         let mut own = Compared { tally: Tally::new(set.kind, 0.0), cases: Vec::new() };
         for lane in (0..LANES).filter(|&lane| set.chunks[i].mask >> lane & 1 == 1) {
             let hits = [first, second].map(|t| Answer::of(&t.hits[i], lane));
             let blocked = [first, second].map(|t| t.blocked[i] >> lane & 1 == 1);
-            own.add(court, set, (i, lane), hits, blocked, index);
+            own.add(court, set, (i, lane), (hits, blocked), (index, counts));
         }
         own
     };
@@ -289,9 +171,8 @@ impl Compared {
         court: &Court,
         set: &RaySet,
         (chunk, lane): (usize, usize),
-        hits: [Option<Answer>; 2],
-        blocked: [bool; 2],
-        index: usize,
+        (hits, blocked): ([Option<Answer>; 2], [bool; 2]),
+        (index, counts): (usize, bool),
     ) {
         let rays = &set.chunks[chunk].rays;
         let judged = [
@@ -307,7 +188,9 @@ impl Compared {
         self.tally.classes[finding.class as usize] += 1;
         self.tally.hit_miss += u64::from(hits[0].is_some() != hits[1].is_some() || blocked[0] != blocked[1]);
         self.tally.leaks += u64::from(finding.leak);
-        if finding.class == Class::Real && self.cases.len() < KEPT {
+        let fails = finding.class == Class::Real && (counts || finding.wrong[0]);
+        self.tally.failures += u64::from(fails);
+        if fails && self.cases.len() < KEPT {
             self.cases.push(case(court, set, (chunk, lane), answers, finding, index));
         }
     }
@@ -318,6 +201,7 @@ impl Compared {
         a.same += b.same;
         a.hit_miss += b.hit_miss;
         a.leaks += b.leaks;
+        a.failures += b.failures;
         a.classes.iter_mut().zip(b.classes).for_each(|(a, b)| *a += b);
         let room = KEPT - self.cases.len();
         self.cases.extend(other.cases.into_iter().take(room));

@@ -6,9 +6,10 @@
 //! tell, so that f64's own rounding decides nothing. An answer that does not stand makes a disagreement real. Of two
 //! that stand, the [`Class`] says what they could not agree about; where none fits, it is real as well.
 
+use super::class::{Class, Finding};
 use super::scan::{Near, Scan};
 use crate::accel::Rays;
-use crate::accel::brute::Ray64;
+use crate::accel::brute::{Outline, Ray64};
 use crate::accel::judge::{ACROSS, Answer, Judge, Seen, Verdict};
 use crate::accel::settle::FARTHEST;
 use crate::math::DVec3;
@@ -19,52 +20,6 @@ use std::sync::Arc;
 /// How far across the ray, in ε·W, the point of a settled hit may lie: settling moves the ray by up to [`FARTHEST`]
 /// roundings of an offset, which is at most 2·W.
 const REACH: f64 = 2.0 * FARTHEST + ACROSS;
-
-/// What a disagreement is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Class {
-    /// Two triangles at one distance, or a hit within rounding of an end of the interval.
-    Tie,
-    /// The ray passes an edge within rounding.
-    Edge,
-    /// The ray passes a vertex within rounding.
-    Vertex,
-    /// The ray runs along the triangle, within rounding of its plane over its whole size.
-    Graze,
-    /// The triangle, as the ray sees it, is no wider than rounding.
-    Sliver,
-    /// An answer is wrong.
-    Real,
-}
-
-impl Class {
-    /// Every class, in the order of the report.
-    pub const ALL: [Class; 6] =
-        [Class::Tie, Class::Edge, Class::Vertex, Class::Graze, Class::Sliver, Class::Real];
-
-    /// Its name in the report.
-    pub fn name(self) -> &'static str {
-        match self {
-            Class::Tie => "tie",
-            Class::Edge => "edge",
-            Class::Vertex => "vertex",
-            Class::Graze => "graze",
-            Class::Sliver => "sliver",
-            Class::Real => "real",
-        }
-    }
-}
-
-/// A disagreement, judged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Finding {
-    /// What it is about.
-    pub class: Class,
-    /// One answer went through a crack: on all sides of the ray there is a surface.
-    pub leak: bool,
-    /// Which of the two answers f64 refutes.
-    pub wrong: [bool; 2],
-}
 
 /// Judges answers about one list of meshes.
 pub struct Court {
@@ -143,12 +98,25 @@ impl Court {
                 Some(seen) => (f64::from(answer.t), REACH * seen.unit / (seen.measure.cos * length)),
                 None => return false,
             },
+            Err(_) if !self.is_met_edge_on(ray, answer) => return false,
             Err(_) => (f64::from(answer.t), self.size(answer) / length),
             Ok(claim) if !is_on_interval(ray, &claim.seen) => return false,
             Ok(claim) => (claim.seen.measure.t, claim.seen.blur() / length),
         };
         let is_before = |n: &Near| n.seen.measure.t + n.seen.blur() / length < t - blur;
         !near.iter().any(|n| is_clear(ray, &n.seen) && is_before(n))
+    }
+
+    /// False when the triangle, seen edge-on, is passed in its own plane, or lies elsewhere than at t or off the interval.
+    fn is_met_edge_on(&self, ray: &Ray64, answer: Answer) -> bool {
+        let Some(corners) = self.corners(answer) else { return false };
+        let outline = Outline::of(ray, corners);
+        let largest = corners.iter().fold(ray.o.abs(), |w, p| w.max(p.abs())).max_element();
+        let slack = ACROSS * f64::from(f32::EPSILON) * largest;
+        let (t, along) = (f64::from(answer.t), slack / ray.d.length());
+        outline.away <= slack
+            && (outline.first - along..=outline.last + along).contains(&t)
+            && (ray.tmin - along..=ray.tmax + along).contains(&t)
     }
 
     /// The triangle of a hit at its border that was settled along a ray moved across by up to [`REACH`]: the point stated

@@ -2,13 +2,15 @@
 //!
 //! [`rays`] records a real render's rays and [`aimed`] makes those that go wrong most easily; [`contestants`] lists
 //! who is asked; [`compare`] asks, and lets [`court`] judge every difference in f64 against all triangles near
-//! the ray ([`scan`]); [`report`] says it as a table and as JSON; [`reproducer`] cuts a real disagreement down to a few
+//! the ray ([`scan`]); [`outcome`] is what was found, [`report`] says it as a table and as JSON; [`reproducer`] cuts a real disagreement down to a few
 //! triangles and one ray that can be asked again. Only the figures of time depend on a clock or on threads.
 
 pub mod aimed;
+pub mod class;
 pub mod compare;
 pub mod contestants;
 pub mod court;
+pub mod outcome;
 pub mod rays;
 pub mod report;
 pub mod reproducer;
@@ -17,9 +19,10 @@ pub mod scan;
 #[cfg(test)]
 mod tests;
 
-pub use compare::{Case, Outcome, Report, run};
+pub use class::Class;
+pub use compare::run;
 pub use contestants::Contestant;
-pub use court::Class;
+pub use outcome::{Case, Outcome, Report};
 pub use rays::{Kind, RaySet};
 
 /// What the caller hears and says while work goes on. Called from several threads.

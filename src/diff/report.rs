@@ -1,7 +1,7 @@
 //! The report as a table and as JSON.
 
-use super::compare::{Answers, Case, Outcome, Report, Tally};
-use super::court::Class;
+use super::class::Class;
+use super::outcome::{Answers, Case, Outcome, Report, Tally};
 use super::rays::Kind;
 use crate::accel::judge::Answer;
 use serde_json::{Map, Value, json};
@@ -11,6 +11,11 @@ impl Report {
     /// Disagreements of a class, of all contestants and kinds.
     pub fn of(&self, class: Class) -> u64 {
         self.tallies().map(|tally| tally.of(class)).sum()
+    }
+
+    /// Real disagreements that are failures.
+    pub fn failures(&self) -> u64 {
+        self.sum(|tally| tally.failures)
     }
 
     fn tallies(&self) -> impl Iterator<Item = &Tally> {
@@ -53,16 +58,16 @@ fn blocked(is_blocked: bool) -> String {
 pub fn table(report: &Report) -> String {
     let Some(first) = report.outcomes.first() else { return "nothing was asked\n".to_string() };
     let kinds: Vec<(Kind, u64)> = report.rays.iter().filter(|(_, rays)| *rays > 0).copied().collect();
-    let mut text = format!("{:22} {:>8} {:>9}", "", "build", "memory");
+    let mut text = format!("{:25} {:>8} {:>9}", "", "build", "memory");
     kinds.iter().for_each(|(kind, _)| text += &format!(" {:>8}", kind.name()));
-    text += &format!("\n{:22} {:>8} {:>9}", "rays", "", "");
+    text += &format!("\n{:25} {:>8} {:>9}", "rays", "", "");
     kinds.iter().for_each(|(_, rays)| text += &format!(" {rays:>8}"));
     text += "\n";
     for outcome in &report.outcomes {
         text += &speeds(outcome, &kinds);
     }
-    let _ = writeln!(text, "{:42} million rays a second\n", "");
-    let _ = write!(text, "{:22} {:8} {:>9}", format!("other than {}", first.name), "", "same");
+    let _ = writeln!(text, "{:45} million rays a second\n", "");
+    let _ = write!(text, "{:25} {:8} {:>9}", format!("other than {}", first.name), "", "same");
     Class::ALL.iter().for_each(|class| text += &format!(" {:>8}", class.name()));
     let _ = writeln!(text, " {:>8} {:>8}", "hit/miss", "leaks");
     for outcome in report.outcomes.iter().skip(1) {
@@ -77,7 +82,7 @@ pub fn table(report: &Report) -> String {
 /// One contestant's row of the first table.
 fn speeds(outcome: &Outcome, kinds: &[(Kind, u64)]) -> String {
     let megabytes = outcome.bytes as f64 * 1e-6;
-    let mut text = format!("{:22} {:>6.2} s {megabytes:>6.1} MB", outcome.name, outcome.build_seconds);
+    let mut text = format!("{:25} {:>6.2} s {megabytes:>6.1} MB", outcome.name, outcome.build_seconds);
     for (kind, _) in kinds {
         let speed = outcome.tallies.iter().find(|tally| tally.kind == *kind).and_then(Tally::speed);
         text += &speed.map_or(format!(" {:>8}", "-"), |speed| format!(" {speed:>8.2}"));
@@ -90,12 +95,12 @@ fn differences(outcome: &Outcome) -> String {
     let mut text = String::new();
     let mut name = outcome.name.as_str();
     for tally in outcome.tallies.iter().filter(|tally| tally.same < tally.rays) {
-        text += &format!("{name:22} {:8} {:>8.4}%", tally.kind.name(), share(tally.same, tally.rays));
+        text += &format!("{name:25} {:8} {:>8.4}%", tally.kind.name(), share(tally.same, tally.rays));
         tally.classes.iter().for_each(|count| text += &format!(" {count:>8}"));
         text += &format!(" {:>8} {:>8}\n", tally.hit_miss, tally.leaks);
         name = "";
     }
-    if text.is_empty() { format!("{name:22} nowhere\n") } else { text }
+    if text.is_empty() { format!("{name:25} nowhere\n") } else { text }
 }
 
 fn share(part: u64, whole: u64) -> f64 {
@@ -107,9 +112,12 @@ fn conclusion(report: &Report) -> String {
     let stopped = if report.complete { "" } else { ", stopped before the last" };
     let rays = report.sum(|tally| tally.rays);
     let different = rays - report.sum(|tally| tally.same);
-    let real = match report.of(Class::Real) {
-        0 => "none of them real".to_string(),
-        real => format!("{real} of them REAL"),
+    let (real, failures) = (report.of(Class::Real), report.failures());
+    let real = match (real, failures) {
+        (0, _) => "none of them real".to_string(),
+        (real, 0) => format!("{real} of them real, all of contestants asked for comparison only"),
+        (real, failures) if real == failures => format!("{real} of them REAL"),
+        (real, failures) => format!("{real} of them REAL, {failures} of contestants that count"),
     };
     format!("\n{} contestants, {rays} answers{stopped}: {different} differ, {real}\n", report.outcomes.len())
 }
@@ -123,6 +131,7 @@ pub fn json(report: &Report) -> Value {
     totals.insert("same".into(), json!(report.sum(|tally| tally.same)));
     totals.insert("hit_miss".into(), json!(report.sum(|tally| tally.hit_miss)));
     totals.insert("leaks".into(), json!(report.sum(|tally| tally.leaks)));
+    totals.insert("failures".into(), json!(report.failures()));
     json!({
         "version": env!("CARGO_PKG_VERSION"),
         "complete": report.complete,
@@ -146,6 +155,7 @@ fn outcome(outcome: &Outcome) -> Value {
         "backend": outcome.backend,
         "isa": outcome.isa.name(),
         "quality": outcome.quality,
+        "counts": outcome.counts,
         "build_seconds": outcome.build_seconds,
         "bytes": outcome.bytes,
         "kinds": kinds,
@@ -158,6 +168,7 @@ fn tally(t: &Tally) -> Value {
     object.insert("same".into(), json!(t.same));
     object.insert("hit_miss".into(), json!(t.hit_miss));
     object.insert("leaks".into(), json!(t.leaks));
+    object.insert("failures".into(), json!(t.failures));
     object.insert("mrays_per_second".into(), json!(t.speed()));
     Value::Object(object)
 }

@@ -1,6 +1,12 @@
-//! Planted faults are found, blamed on the right one, and reproduced; what is sound is called sound.
+//! What the study promises, on a contestant with planted faults; the rest by story.
 
-use super::compare::{Answers, ask};
+mod faults;
+mod files;
+mod verdicts;
+
+use super::compare::ask;
+use super::court::Court;
+use super::outcome::{Answers, Tally};
 use super::reproducer::{Reproducer, minimal};
 use super::*;
 use crate::accel::judge::Answer;
@@ -12,7 +18,6 @@ use crate::math::Vec3;
 use crate::math::isa::Isa;
 use crate::scene::{Scene, Settings};
 use crate::shape::Mesh;
-use court::Court;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -90,7 +95,8 @@ fn pair(fault: Fault) -> Vec<Contestant> {
         Ok(Box::new(Faulty { accel, meshes: meshes.to_vec(), fault }))
     };
     let (isa, quality) = (Isa::best(), Quality::Medium);
-    let faulty = Contestant { backend: "faulty".to_string(), isa, quality, build: Box::new(faulty) };
+    let faulty =
+        Contestant { backend: "faulty".to_string(), isa, quality, counts: true, build: Box::new(faulty) };
     vec![Contestant::of(Backend::Bvh, isa, quality), faulty]
 }
 
@@ -135,222 +141,12 @@ fn what_is_sound_is_called_sound() {
 }
 
 #[test]
-fn planted_faults_are_real_and_blamed_on_the_faulty() {
-    let faults = [
-        Fault::Drops(seen_corner()),
-        Fault::Stretches(1e-3),
-        Fault::Stretches(-1e-5),
-        Fault::Swaps,
-        Fault::Endless,
-    ];
-    for fault in faults {
-        let (report, ..) = found(fault);
-        assert!(report.of(Class::Real) > 0, "{fault:?}");
-        assert!(report.cases.iter().all(|case| case.wrong == [false, true]), "{fault:?}: {:?}", report.cases);
-        assert!(
-            report::table(&report).contains("REAL") && report.sentence(&report.cases[0]).contains("faulty")
-        );
-        let blocked = report.cases.iter().all(|case| matches!(case.answers, Answers::Blocked(_)));
-        assert_eq!(blocked, fault == Fault::Endless);
-    }
-}
-
-/// Files and back, with every bit; asked again, the same two disagree.
-#[test]
-fn reproducers_fail_on_their_own() {
-    let corner = seen_corner();
-    for (fault, most) in
-        [(Fault::Drops(corner), 2), (Fault::Stretches(1e-3), 1), (Fault::DropsInLarge(corner, 9), 10)]
-    {
-        let (report, scene, contestants) = found(fault);
-        let court = Court::new(&scene.meshes);
-        let case = &report.cases[0];
-        let made = minimal(case, &court, &scene.meshes, &contestants).unwrap();
-        let triangles: usize = made.meshes.iter().map(|m| m.indices.len()).sum();
-        assert!(made.fails && triangles <= most, "{fault:?}: {triangles} triangles");
-        let folder = tempfile::TempDir::new().unwrap();
-        let path = made.write(folder.path(), 1, &report.sentence(case)).unwrap();
-        let read = Reproducer::read(&path).unwrap().expect("a case");
-        let corners = |r: &Reproducer| -> Vec<[u32; 3]> {
-            let all = r.meshes.iter().flat_map(|m| (0..m.indices.len()).flat_map(|t| m.triangle(t)));
-            all.map(|p| p.to_array().map(f32::to_bits)).collect()
-        };
-        assert_eq!(corners(&read), corners(&made));
-        let ray = |r: &Reproducer| {
-            let rays = &r.rays.chunks[0].rays;
-            (rays.o(0), rays.d(0), rays.tmin[0], rays.tmax[0])
-        };
-        assert_eq!(ray(&read), (case.o, case.d, case.tmin, case.tmax));
-        let again = |contestants: &[Contestant]| {
-            let all: Vec<&Contestant> = contestants.iter().collect();
-            ask(&read.meshes, std::slice::from_ref(&read.rays), &all, &Hooks::NONE).unwrap()
-        };
-        assert!(again(&contestants).of(Class::Real) > 0, "{fault:?}");
-        assert_eq!(again(&pair(Fault::None)).of(Class::Real), 0);
-    }
-}
-
-#[test]
-fn files_that_are_no_reproducer() {
-    let folder = tempfile::TempDir::new().unwrap();
-    let (case, obj) = (folder.path().join("c.toml"), folder.path().join("c.obj"));
-    let text = "[case]\nmesh = \"c.obj\"\norigin = [0, 0, 1]\ndirection = [0, 0, -1]\ntmin = 0\ntmax = inf\n";
-    std::fs::write(&obj, "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
-    let read = |text: &str| {
-        std::fs::write(&case, text).unwrap();
-        Reproducer::read(&case)
-    };
-    assert_eq!(read(text).unwrap().unwrap().meshes[0].indices, [[0, 1, 2]]);
-    assert!(read("[camera]\nfov = 3\n").unwrap().is_none());
-    assert!(read("no TOML").unwrap().is_none());
-    for (from, to, said) in [
-        ("origin = [0, 0, 1]", "origin = [0, 1]", "case.origin must be three numbers"),
-        ("tmin = 0", "tmin = -1", "tmin not negative"),
-        ("tmin = 0", "", "case.tmin must be a number"),
-        ("c.obj", "d.obj", "d.obj"),
-    ] {
-        let error = read(&text.replace(from, to)).unwrap_err().to_string();
-        assert!(error.contains(said), "{error}");
-    }
-    for line in ["v 1 2", "v 1 2 nan", "v 1 2 1e30", "f 1 2 4", "f 0 1 2", "g x"] {
-        std::fs::write(&obj, format!("o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{line}\n")).unwrap();
-        let error = read(text).unwrap_err();
-        assert_eq!((error.line, error.message.as_str()), (Some(5), "not a line of a reproducer"), "{line}");
-    }
-}
-
-/// Two triangles of a square at z = 0, and one at z = −1 behind it.
-fn square() -> Vec<Arc<Mesh>> {
-    let positions = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, -1], [1, 0, -1], [1, 1, -1]];
-    let positions = positions.map(|p| p.map(|x: i8| f32::from(x))).to_vec();
-    vec![Arc::new(Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [0, 1, 2]]))]
-}
-
-/// Every class by a ray for which it is the answer.
-#[test]
-fn classes_are_what_the_geometry_says() {
-    let court = Court::new(&square());
-    let down = |x: f32, y: f32| (Vec3::new(x, y, 1.0), -Vec3::Z);
-    let hit = |triangle: u32, t: f32, u: f32, v: f32| Some(Answer { t, u, v, mesh: 0, triangle });
-    let judge = |(o, d): (Vec3, Vec3), tmax: f32, pair: [Option<Answer>; 2]| {
-        let chunk = &aimed::chunks([(o, d, 0.0, tmax)].into_iter())[0];
-        court.closest(&chunk.rays, 0, pair).map(|f| (f.class, f.wrong, f.leak))
-    };
-    let inf = f32::INFINITY;
-    // Within the first triangle and its twin: (0.75, 0.25) is u = 0.5, v = 0.25.
-    let (inside, front) = (down(0.75, 0.25), hit(0, 1.0, 0.5, 0.25));
-    assert_eq!(judge(inside, inf, [front, front]), None);
-    assert_eq!(judge(inside, inf, [front, hit(3, 1.0, 0.5, 0.25)]), Some((Class::Tie, [false; 2], false)));
-    assert_eq!(judge(inside, inf, [front, None]), Some((Class::Real, [false, true], false)));
-    assert_eq!(
-        judge(inside, inf, [front, hit(2, 2.0, 0.5, 0.25)]),
-        Some((Class::Real, [false, true], false))
-    );
-    assert_eq!(judge(inside, 0.5, [front, None]), Some((Class::Real, [true, false], false)));
-    assert_eq!(judge(inside, 1.0, [front, None]), Some((Class::Tie, [false; 2], false)));
-    assert_eq!(judge(inside, inf, [hit(9, 1.0, 0.5, 0.25), None]), Some((Class::Real, [true, true], false)));
-    // The diagonal: a surface on all sides, so that a miss is a leak; the border: none.
-    let diagonal = hit(0, 1.0, 0.0, 0.5);
-    assert_eq!(
-        judge(down(0.5, 0.5), inf, [diagonal, hit(1, 1.0, 0.5, 0.0)]),
-        Some((Class::Edge, [false; 2], false))
-    );
-    assert_eq!(judge(down(0.5, 0.5), inf, [diagonal, None]), Some((Class::Edge, [false; 2], true)));
-    assert_eq!(
-        judge(down(0.5, 0.0), inf, [hit(0, 1.0, 0.5, 0.0), None]),
-        Some((Class::Edge, [false; 2], false))
-    );
-    assert_eq!(
-        judge(down(1.0, 0.0), inf, [hit(0, 1.0, 1.0, 0.0), None]),
-        Some((Class::Vertex, [false; 2], false))
-    );
-    let along = (Vec3::new(-1.0, 0.25, 1e-7), Vec3::X);
-    assert_eq!(judge(along, inf, [hit(0, 1.5, 0.25, 0.25), None]), Some((Class::Graze, [false; 2], false)));
-    let needle = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.5, 1e-7, 0.0]], vec![[0, 1, 2]]);
-    let chunk = &aimed::chunks([(Vec3::new(0.4, 0.0, 1.0), -Vec3::Z, 0.0, inf)].into_iter())[0];
-    let sliver = Court::new(&[Arc::new(needle)]).closest(&chunk.rays, 0, [hit(0, 1.0, 0.4, 0.0), None]);
-    assert_eq!(sliver.map(|f| f.class), Some(Class::Sliver));
-}
-
-/// Settling moves a ray at an edge across by some tens of roundings; the hit is then one of the moved ray.
-#[test]
-fn settled_hits_stand_and_wrong_distances_do_not() {
-    let steep = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 4.0]], vec![[0, 1, 2]]);
-    let court = Court::new(&[Arc::new(steep)]);
-    let chunk = &aimed::chunks([(Vec3::new(0.25, 0.0, 5.0), -Vec3::Z, 0.0, f32::INFINITY)].into_iter())[0];
-    let judge = |moved: f32, t: f32| {
-        let answer = Answer { t, u: 0.25, v: moved, mesh: 0, triangle: 0 };
-        court.closest(&chunk.rays, 0, [Some(answer), None]).map(|f| (f.class, f.wrong))
-    };
-    // ε·W is 6e-7: moved by a hundred of them, up the slope of 4.
-    assert_eq!(judge(6e-5, 5.0 - 2.4e-4), Some((Class::Edge, [false; 2])));
-    assert_eq!(judge(6e-5, 5.0 + 2.4e-4), Some((Class::Real, [true, false])));
-    assert_eq!(judge(6e-4, 5.0 - 2.4e-3), Some((Class::Real, [true, false])));
-}
-
-#[test]
 fn no_more_rays_are_recorded_than_asked_for() {
     let (scene, settings) = scene();
     let accel = Backend::Bvh.build(&scene.meshes, &BuildOptions::default()).unwrap();
     for most in [1, 50, 333] {
         for set in rays::record(&scene, &settings, &*accel, most, &|| false).unwrap().unwrap() {
             assert!((1..=most).contains(&set.len()), "{} of {most}: {}", set.kind.name(), set.len());
-        }
-    }
-}
-
-#[test]
-fn coordinates_keep_every_bit_in_files() {
-    let corners =
-        [[0.1, -1.0 / 3.0, 1e-30], [123_456.79, f32::MIN_POSITIVE, -0.0], [1e18, 16_777_217.0, 2.5e-7]];
-    let rays = aimed::chunks([(Vec3::from(corners[0]), Vec3::from(corners[1]), 0.1, 1e18)].into_iter());
-    let meshes = vec![Arc::new(Mesh::new(corners.to_vec(), vec![[2, 0, 1]]))];
-    let made = Reproducer { meshes, rays: RaySet { kind: Kind::Replay, chunks: rays }, fails: true };
-    let folder = tempfile::TempDir::new().unwrap();
-    let read = Reproducer::read(&made.write(folder.path(), 7, "").unwrap()).unwrap().unwrap();
-    let bits = |r: &Reproducer| r.meshes[0].positions.iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>();
-    assert_eq!((bits(&read), &read.meshes[0].indices), (bits(&made), &made.meshes[0].indices));
-    let ray = |r: &Reproducer| {
-        let rays = &r.rays.chunks[0].rays;
-        [rays.o(0).to_array(), rays.d(0).to_array(), [rays.tmin[0], rays.tmax[0], 0.0]]
-            .map(|v| v.map(f32::to_bits))
-    };
-    assert_eq!(ray(&read), ray(&made));
-}
-
-#[test]
-fn shadow_rays_are_judged_by_what_is_in_their_way() {
-    let court = Court::new(&square());
-    let judge = |x: f32, tmax: f32, pair: [bool; 2]| {
-        let chunk = &aimed::chunks([(Vec3::new(x, 0.25, 1.0), -Vec3::Z, 0.0, tmax)].into_iter())[0];
-        court.blocked(&chunk.rays, 0, pair).map(|f| (f.class, f.wrong))
-    };
-    assert_eq!(judge(0.75, 3.0, [true, true]), None);
-    assert_eq!(judge(0.75, 3.0, [true, false]), Some((Class::Real, [false, true])));
-    assert_eq!(judge(0.75, 0.5, [true, false]), Some((Class::Real, [true, false])));
-    assert_eq!(judge(0.75, 1.0, [true, false]), Some((Class::Tie, [false; 2])));
-    assert_eq!(judge(1.0, 3.0, [false, true]), Some((Class::Edge, [false; 2])));
-    assert_eq!(judge(1.5, 3.0, [false, true]), Some((Class::Real, [false, true])));
-}
-
-/// The scan leaves nothing out: it finds what looking at every triangle finds.
-#[test]
-fn the_scan_finds_what_every_triangle_says() {
-    let (scene, _) = scene();
-    let brute = crate::accel::brute::Brute::new(&scene.meshes);
-    let court = Court::new(&scene.meshes);
-    for kind in aimed::KINDS {
-        let set = aimed::rays(&scene, kind, 400, 5);
-        for chunk in &set.chunks {
-            for lane in (0..LANES).filter(|&lane| chunk.mask >> lane & 1 == 1) {
-                let ray = crate::accel::brute::Ray64::of(&chunk.rays, lane);
-                let slack = crate::accel::judge::ACROSS * f64::from(f32::EPSILON) * 1e-3;
-                let mut all = brute.hits_within(&ray, f64::NEG_INFINITY, f64::INFINITY, slack);
-                let near: Vec<[u32; 2]> =
-                    court.scan().near(&ray).iter().map(|n| [n.mesh, n.triangle]).collect();
-                all.retain(|(_, mesh, triangle)| !near.contains(&[*mesh, *triangle]));
-                assert!(all.is_empty(), "{}: {all:?}", kind.name());
-            }
         }
     }
 }
@@ -363,7 +159,7 @@ fn nothing_but_time_depends_on_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let all = pair(Fault::Stretches(1e-3));
         let report = pool.install(|| run(&scene, &settings, &all, 2000, &Hooks::NONE)).unwrap();
-        let counts = |t: &compare::Tally| (t.kind, t.rays, t.same, t.classes, t.hit_miss, t.leaks);
+        let counts = |t: &Tally| (t.kind, t.rays, t.same, t.classes, t.hit_miss, t.leaks);
         let tallies: Vec<_> = report.outcomes.iter().flat_map(|o| o.tallies.iter().map(counts)).collect();
         (tallies, report.cases.iter().map(|c| report.sentence(c)).collect::<Vec<_>>())
     };
@@ -380,4 +176,44 @@ fn a_stop_keeps_what_is_finished() {
     assert!(!report.complete);
     assert_eq!(report.outcomes[0].tallies.len(), 7);
     assert!(report.outcomes.get(1).is_none_or(|outcome| outcome.tallies.len() < 7));
+}
+
+/// A contestant asked for comparison only: what it does wrong is counted, but is no failure and no case.
+#[test]
+fn what_does_not_count_is_shown_and_no_failure() {
+    let (scene, settings) = scene();
+    let mut contestants = pair(Fault::Swaps);
+    contestants[1].counts = false;
+    let report = run(&scene, &settings, &contestants, 1000, &Hooks::NONE).unwrap();
+    assert!(report.of(Class::Real) > 0);
+    assert_eq!((report.failures(), report.cases.len()), (0, 0));
+    // Unless it is the one that the others are compared with.
+    contestants.swap(0, 1);
+    let report = run(&scene, &settings, &contestants, 1000, &Hooks::NONE).unwrap();
+    assert_eq!(report.failures(), report.of(Class::Real));
+    assert!(!report.cases.is_empty());
+}
+
+#[test]
+fn contestants_are_named_by_their_words() {
+    let names = |list: &str| -> Vec<String> {
+        Contestant::named(list).unwrap().iter().map(Contestant::name).collect()
+    };
+    let all = names("all");
+    assert_eq!(all.len(), Contestant::all().len());
+    assert!(names("bvh").iter().all(|name| name.starts_with("bvh ")) && names("bvh").len() >= 3);
+    // In the order of `all`, whatever the list's; each once.
+    let both = names("bvh-low, bvh-medium, bvh-low");
+    assert_eq!(both, all.iter().filter(|n| both.contains(n)).cloned().collect::<Vec<_>>());
+    let usual: Vec<String> = Contestant::usual().iter().map(Contestant::name).collect();
+    assert_eq!(usual[0], all[0]);
+    #[cfg(feature = "embree")]
+    {
+        assert!(names("embree").len() > names("embree-fast").len());
+        assert_eq!(names("fast"), names("embree-fast"));
+        assert!(Contestant::all().iter().all(|c| c.counts != c.backend.contains("fast")));
+        assert!(Contestant::named("bvh-fast").err().unwrap().message.contains("bvh-fast"));
+    }
+    let error = Contestant::named("bhv").err().unwrap();
+    assert!(error.message.contains("bhv") && error.advice.unwrap_or_default().contains("bvh"));
 }

@@ -30,7 +30,7 @@ mod weights;
 mod tests;
 
 use super::settle::{Triangles, settle};
-use super::{BuildOptions, Checked, Coherence, Hits, Intersector, Mask, Quality, cancelled};
+use super::{BuildOptions, Checked, Coherence, Hits, Intersector, Mask, Quality, Rays, cancelled};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::math::isa::Isa;
@@ -68,6 +68,16 @@ impl Embree {
     /// An instruction set that this machine lacks, buffers beyond Embree's limits, too little memory, or a
     /// build that the progress callback cancelled.
     pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Self> {
+        Embree::build_with(meshes, options, true)
+    }
+
+    /// Without the robust flag: rays slip through edges and vertices. For comparisons alone.
+    #[doc(hidden)]
+    pub fn build_fast(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Self> {
+        Embree::build_with(meshes, options, false)
+    }
+
+    fn build_with(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>, robust: bool) -> Result<Self> {
         if !(options.progress)(0.0) {
             return Err(cancelled());
         }
@@ -84,7 +94,7 @@ impl Embree {
             _ => Geometry::Shared(Shared::new(meshes)?),
         };
         let device = Device::new(isa, options.threads)?;
-        let mut uncommitted = scene::Uncommitted::new(&device, options.quality, options.compact)?;
+        let mut uncommitted = scene::Uncommitted::new(&device, options.quality, robust, options.compact)?;
         match &geometry {
             Geometry::Shared(shared) => {
                 for (id, buffers) in shared.buffers().enumerate() {
@@ -99,12 +109,20 @@ impl Embree {
     }
 }
 
-impl Intersector for Embree {
-    fn closest(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
+impl Embree {
+    /// Embree's own answers, with the meshes' names.
+    #[inline(always)]
+    fn trace(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
         trace::closest(&self.scene, self.width, rays, coherence, hits);
         if let Geometry::Merged(merged) = &self.geometry {
             merged.name_hits(rays.active(), hits);
         }
+    }
+}
+
+impl Intersector for Embree {
+    fn closest(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
+        self.trace(rays, coherence, hits);
         weights::weigh(|hits, lane| self.hit(hits, lane), rays.rays(), rays.active(), hits);
         settle(self, rays.rays(), rays.active(), hits);
     }
@@ -142,6 +160,12 @@ impl Triangles for Embree {
                 each([mesh, triangle], m.triangle(triangle as usize));
             }
         });
+    }
+
+    fn ask(&self, rays: &Rays, active: Mask) -> Option<Hits> {
+        let mut hits = Hits::default();
+        self.trace(rays.check(active), Coherence::Incoherent, &mut hits);
+        Some(hits)
     }
 }
 

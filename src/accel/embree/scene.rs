@@ -65,14 +65,16 @@ pub(super) struct Uncommitted<'a> {
 }
 
 impl<'a> Uncommitted<'a> {
-    pub(super) fn new(device: &'a Device, quality: Quality, compact: bool) -> Result<Self> {
+    pub(super) fn new(device: &'a Device, quality: Quality, robust: bool, compact: bool) -> Result<Self> {
         // High builds the medium tree in a robust scene of 3.13; a version that does more on several
         // threads (spatial splits) would be a race.
         let quality = match quality {
             Quality::Low => sys::RTC_BUILD_QUALITY_LOW,
+            Quality::High if !robust => sys::RTC_BUILD_QUALITY_HIGH,
             Quality::Medium | Quality::High => sys::RTC_BUILD_QUALITY_MEDIUM,
         };
-        let flags = sys::RTC_SCENE_FLAG_ROBUST | if compact { sys::RTC_SCENE_FLAG_COMPACT } else { 0 };
+        let flags = if robust { sys::RTC_SCENE_FLAG_ROBUST } else { 0 }
+            | if compact { sys::RTC_SCENE_FLAG_COMPACT } else { 0 };
         // SAFETY: the device lives; a null scene is caught by `check` before it is used.
         let handle = unsafe { sys::rtcNewScene(device.handle()) };
         device.check("make a scene")?;
