@@ -87,6 +87,22 @@ fn missed(hits: &[Hits], rays: usize) -> usize {
     hits.iter().flat_map(|h| h.mesh).take(rays).filter(|m| *m == MISS).count()
 }
 
+/// The lanes that run along a triangle, within rounding: Embree says of such a triangle that it blocks the ray, even if it
+/// is passed far away in its own plane. Closest hits are put right; of shadow rays only the answer is known.
+fn edge_on(meshes: &[Arc<Mesh>], rays: &Rays) -> Mask {
+    let along = |lane: usize| {
+        let (o, d) = (rays.o(lane).as_dvec3(), rays.d(lane).as_dvec3().normalize_or_zero());
+        meshes.iter().flat_map(|mesh| (0..mesh.indices.len()).map(|i| mesh.triangle(i))).any(|corners| {
+            let [a, b, c] = corners.map(|p| p.as_dvec3() - o);
+            let rounding = f64::from(f32::EPSILON) * a.abs().max(b.abs()).max(c.abs()).max_element();
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            let longest = (b - a).length().max((c - a).length()).max((c - b).length());
+            normal.dot(d).abs() * longest <= 64.0 * rounding
+        })
+    };
+    (0..LANES).fold(0, |mask, lane| mask | (along(lane) as Mask) << lane)
+}
+
 /// Compares all pairs on `rays`: nothing real, and shadow rays blocked just where there is a closest hit.
 /// Returns the sums over all pairs.
 fn agree(what: &str, meshes: &[Arc<Mesh>], rays: &[Ray]) -> Tally {
@@ -99,7 +115,8 @@ fn agree(what: &str, meshes: &[Arc<Mesh>], rays: &[Ray]) -> Tally {
             for (rays, hits) in chunks.iter().zip(&hits) {
                 let blocked = backend.occluded(rays.check(Mask::MAX), Coherence::Incoherent);
                 let hit = (0..LANES).fold(0, |m, i| m | ((hits.mesh[i] != MISS) as Mask) << i);
-                assert_eq!(blocked, hit, "{what}: {name}: occluded against closest");
+                let excused = if *name == "embree" { edge_on(meshes, rays) & blocked } else { 0 };
+                assert_eq!(blocked & !excused, hit & !excused, "{what}: {name}: occluded against closest");
             }
             (*name, hits)
         })
