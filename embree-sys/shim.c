@@ -1,5 +1,5 @@
 // What bindgen cannot bind: Embree's header-only inline functions, and the trace calls, whose shape differs
-// between Embree 3.13 (context argument) and 4.x (arguments structure). Both versions end in the same eight
+// between Embree 3.13 (context argument) and 4.x (arguments structure). Both versions end in the same
 // functions here, so that Rust sees one interface.
 
 #include <stddef.h>
@@ -49,6 +49,17 @@ void drt_rtc_intersect1(RTCScene scene, bool coherent, struct RTCRayHit *rays) {
 void drt_rtc_occluded1(RTCScene scene, bool coherent, struct RTCRay *rays) {
   DRT_OCCLUDED_SETUP(coherent);
   DRT_CALL(rtcOccluded1, scene, rays);
+}
+
+// What a program in C would do: the yardstick for drt's own calls.
+void drt_rtc_intersect_each(RTCScene scene, struct RTCRayHit *rays, size_t count) {
+  DRT_INTERSECT_SETUP(false);
+  for (size_t i = 0; i < count; i++) DRT_CALL(rtcIntersect1, scene, rays + i);
+}
+
+void drt_rtc_occluded_each(RTCScene scene, struct RTCRay *rays, size_t count) {
+  DRT_OCCLUDED_SETUP(false);
+  for (size_t i = 0; i < count; i++) DRT_CALL(rtcOccluded1, scene, rays + i);
 }
 
 #define DRT_PACKET(width)                                                                                      \

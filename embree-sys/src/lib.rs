@@ -2,7 +2,7 @@
 //!
 //! The build script generates [`sys`] from the installed headers, so the declarations are those of the
 //! library that is linked. The trace calls, which differ between the two versions, are bound through a C
-//! shim with one interface for both: [`drt_rtc_intersect1`] and its seven siblings. Everything else that
+//! shim with one interface for both: [`drt_rtc_intersect1`] and its siblings. Everything else that
 //! drt uses (devices, scenes, geometries, buffers) is the same in both.
 #![no_std]
 
@@ -44,6 +44,10 @@ unsafe extern "C" {
     pub fn drt_rtc_intersect16(scene: RTCScene, coherent: bool, valid: *const c_int, rays: *mut RTCRayHit16);
     /// Any hit of one ray: `tfar` becomes -∞ where there is one.
     pub fn drt_rtc_occluded1(scene: RTCScene, coherent: bool, rays: *mut RTCRay);
+    /// Closest hits of `count` rays, one by one.
+    pub fn drt_rtc_intersect_each(scene: RTCScene, rays: *mut RTCRayHit, count: usize);
+    /// Any hits of `count` rays, one by one.
+    pub fn drt_rtc_occluded_each(scene: RTCScene, rays: *mut RTCRay, count: usize);
     /// Any hit of 4 rays.
     pub fn drt_rtc_occluded4(scene: RTCScene, coherent: bool, valid: *const c_int, rays: *mut RTCRay4);
     /// Any hit of 8 rays.

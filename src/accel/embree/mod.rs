@@ -17,7 +17,10 @@
 //!   and rays take 2–5 times as long through many of them. So all meshes go into one geometry there
 //!   (`merged.rs`), which is as deterministic as *medium*.
 
+pub mod bare;
 mod device;
+mod doubt;
+pub mod memory;
 mod merged;
 mod near;
 mod scene;
@@ -25,6 +28,8 @@ mod shared;
 mod trace;
 mod weights;
 
+#[cfg(test)]
+mod guard;
 #[cfg(test)]
 mod tests;
 
@@ -48,8 +53,11 @@ pub struct Embree {
     device: Device,
     geometry: Geometry,
     meshes: Vec<Arc<Mesh>>,
+    /// The longest edge of each mesh.
+    longest: Vec<f32>,
+    compact: bool,
     width: Width,
-    isa: Isa,
+    isa: &'static str,
 }
 
 /// The buffers that the scene reads for as long as it lives.
@@ -67,13 +75,23 @@ impl Embree {
     /// An instruction set that this machine lacks, buffers beyond Embree's limits, too little memory, or a
     /// build that the progress callback cancelled.
     pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Self> {
-        if !(options.progress)(0.0) {
-            return Err(cancelled());
-        }
         let isa = options.isa.unwrap_or_else(Isa::best);
         if isa > Isa::best() {
             return Err(Error::usage(format!("this machine has no {}", isa.name()))
                 .advise(format!("its best is \"{}\"", Isa::best().name())));
+        }
+        Self::build_as(meshes, options, isa.name(), memory::available())
+    }
+
+    /// Builds with the kernels that Embree calls `isa`, of which it has more than drt, in `memory` bytes.
+    fn build_as(
+        meshes: &[Arc<Mesh>],
+        options: &BuildOptions<'_>,
+        isa: &'static str,
+        memory: Option<u64>,
+    ) -> Result<Self> {
+        if !(options.progress)(0.0) {
+            return Err(cancelled());
         }
         for (index, mesh) in meshes.iter().enumerate() {
             check_limits(index, mesh.positions.len() as u64, mesh.indices.len() as u64)?;
@@ -82,7 +100,7 @@ impl Embree {
             Quality::Low if Merged::pays(meshes) => Geometry::Merged(Merged::new(meshes)?),
             _ => Geometry::Shared(Shared::new(meshes)?),
         };
-        let device = Device::new(isa, options.threads)?;
+        let device = Device::new(isa, options.threads, memory)?;
         let mut uncommitted = scene::Uncommitted::new(&device, options.quality, options.compact)?;
         match &geometry {
             Geometry::Shared(shared) => {
@@ -93,23 +111,40 @@ impl Embree {
             Geometry::Merged(merged) => uncommitted.attach(0, merged.buffers())?,
         }
         let scene = uncommitted.commit(options.progress)?;
+        let longest = match &geometry {
+            Geometry::Shared(shared) => shared.longest(),
+            Geometry::Merged(merged) => merged.longest(),
+        };
         let width = Width::native(&device);
-        Ok(Embree { scene, device, geometry, meshes: meshes.to_vec(), width, isa })
+        Ok(Embree {
+            scene,
+            device,
+            geometry,
+            meshes: meshes.to_vec(),
+            longest,
+            compact: options.compact,
+            width,
+            isa,
+        })
     }
 }
 
 impl Intersector for Embree {
     fn closest(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
-        trace::closest(&self.scene, self.width, rays, coherence, hits);
+        let areas = trace::closest(&self.scene, self.width, rays, coherence, hits);
+        let (rays, active) = (rays.rays(), rays.active());
         if let Geometry::Merged(merged) = &self.geometry {
-            merged.name_hits(rays.active(), hits);
+            merged.name_hits(active, hits);
         }
-        weights::weigh(|hits, lane| self.hit(hits, lane), rays.rays(), rays.active(), hits);
-        settle(self, rays.rays(), rays.active(), hits);
+        let doubtful = doubt::doubtful(rays, active, hits, &areas, &self.longest);
+        if doubtful != 0 {
+            weights::weigh(|hits, lane| self.hit(hits, lane), rays, doubtful, hits);
+            settle(self, rays, doubtful, hits);
+        }
     }
 
-    fn occluded(&self, rays: Checked<'_>, coherence: Coherence) -> Mask {
-        trace::occluded(&self.scene, self.width, rays, coherence)
+    fn occluded(&self, rays: Checked<'_>, _: Coherence) -> Mask {
+        trace::occluded(&self.scene, self.width, rays)
     }
 
     fn bytes(&self) -> usize {
@@ -120,8 +155,12 @@ impl Intersector for Embree {
         self.device.bytes() + own
     }
 
+    fn compact(&self) -> bool {
+        self.compact
+    }
+
     fn isa(&self) -> &str {
-        self.isa.name()
+        self.isa
     }
 }
 
