@@ -33,6 +33,7 @@
 //! left infinite (the margins prevent both cases already; each line is the second safeguard).
 
 mod meshes;
+mod random_bits;
 mod silhouettes;
 
 use drt::accel::brute::Brute;
