@@ -5,7 +5,7 @@
 //! across the ray, L the longest edge and W the corners' largest offset from the ray's origin. Embree's hit comes with
 //! its weights and with e×f, so the left side is known but for rounding (at most 8·ε·W·L·|d| times the least weight,
 //! which is at most ⅓). On the right, the longest edge of the whole mesh stands for L, and t·max|dᵢ| + L for W: no hit is
-//! passed over that `settle` would look at, and most of the others are spared it.
+//! passed over that `settle` would look at (for a reason other than its own overflow), and most of the others are spared it.
 
 use crate::accel::{Hits, LANES, MISS, Mask, Rays};
 use crate::math::Vec3;

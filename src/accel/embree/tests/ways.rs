@@ -1,6 +1,7 @@
 //! Packets and single rays, and the quick look at what they hit.
 
 use super::*;
+use crate::accel::settle::is_in_doubt;
 
 /// The packet width is the device's own: Debian's Embree aborts in an assertion where a packet is wider.
 #[test]
@@ -90,7 +91,14 @@ fn the_quick_look_changes_nothing() {
                     merged.name_hits(!0, &mut expected);
                 }
                 let hit = expected.mesh.iter().filter(|&&m| m != MISS).count() as u32;
-                looked += doubt::doubtful(&rays, !0, &expected, &areas, &embree.longest).count_ones();
+                let doubtful = doubt::doubtful(&rays, !0, &expected, &areas, &embree.longest);
+                for lane in (0..LANES).filter(|&lane| expected.mesh[lane] != MISS) {
+                    let corners = embree.hit(&expected, lane);
+                    // At 1e9 it overflows, and doubts everything.
+                    let in_doubt = scale < 1e9 && is_in_doubt(&rays, &expected, lane, corners);
+                    assert!(doubtful >> lane & 1 == 1 || !in_doubt, "{isa} {quality:?} {scale} {offset}");
+                }
+                looked += doubtful.count_ones();
                 all += hit;
                 weights::weigh(|hits, lane| embree.hit(hits, lane), &rays, !0, &mut expected);
                 settle(&embree, &rays, !0, &mut expected);
