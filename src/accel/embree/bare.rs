@@ -1,5 +1,5 @@
 //! Embree by itself, for measurements: the yardstick that the backend's own cost is held against
-//! (`benches/embree.rs`), and the ways that [`super::trace`] chooses from.
+//! (`benches/embree.rs`), and the ways that `trace.rs` chooses from.
 #![allow(unsafe_code)]
 
 use super::Embree;
