@@ -241,6 +241,11 @@ pub trait Intersector: Send + Sync {
     /// Bytes of the structure itself, without the meshes' buffers.
     fn bytes(&self) -> usize;
 
+    /// Whether the backend has a compact layout and took it; goes into the picture's settings as well.
+    fn compact(&self) -> bool {
+        false
+    }
+
     /// The instruction set the backend traces with, e.g. `avx512`; goes into the picture's settings,
     /// since it can change the last bits of a hit.
     fn isa(&self) -> &str;

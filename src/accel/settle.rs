@@ -68,7 +68,7 @@ pub(super) fn settle(triangles: &impl Triangles, rays: &Rays, active: Mask, hits
 /// height, so the distance from an edge is the opposite corner's weight times the area over the edge; the
 /// longest edge errs on the side of doubt.
 #[inline(always)]
-fn is_in_doubt(rays: &Rays, hits: &Hits, lane: usize, corners: [Vec3; 3]) -> bool {
+pub(super) fn is_in_doubt(rays: &Rays, hits: &Hits, lane: usize, corners: [Vec3; 3]) -> bool {
     let (o, d) = (rays.o(lane), rays.d(lane));
     let [a, b, c] = corners.map(|p| p - o);
     let (e, f) = (b - a, c - a);

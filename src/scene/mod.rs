@@ -5,7 +5,7 @@ mod directions;
 pub mod settings;
 
 pub use directions::Directions;
-pub use settings::{BuildQuality, IntegratorKind, LightSampling, Quantity, Settings};
+pub use settings::{BuildQuality, Compact, IntegratorKind, LightSampling, Quantity, Settings};
 
 pub use crate::sampler::SamplerKind;
 

@@ -157,10 +157,35 @@ impl BuildQuality {
     pub fn resolve(self, triangles: u64, samples: u64) -> Quality {
         match self {
             BuildQuality::Fixed(quality) => quality,
-            BuildQuality::Auto if triangles > 100_000 && samples < 20_000_000.min(6 * triangles) => {
+            BuildQuality::Auto
+                if triangles > 100_000 && samples < 20_000_000.min(triangles.saturating_mul(6)) =>
+            {
                 Quality::Low
             }
             BuildQuality::Auto => Quality::Medium,
+        }
+    }
+}
+
+/// Whether the acceleration structure is to be small.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Compact {
+    /// No: a build that does not fit into the memory is refused.
+    No,
+    /// Yes.
+    Yes,
+    /// Where the usual layout would not fit into the memory that is free. Hits at edges may then depend on that
+    /// (the picture says which layout was taken), so it is for who asks.
+    Auto,
+}
+
+impl Compact {
+    /// Whether to build the compact layout; `is_short` says that the usual one does not fit.
+    pub fn resolve(self, is_short: impl FnOnce() -> bool) -> bool {
+        match self {
+            Compact::No => false,
+            Compact::Yes => true,
+            Compact::Auto => is_short(),
         }
     }
 }
@@ -199,7 +224,7 @@ pub struct Settings {
     /// Effort of the acceleration structure.
     pub build: BuildQuality,
     /// Less memory, slower rays.
-    pub compact: bool,
+    pub compact: Compact,
 }
 
 impl Default for Settings {
@@ -220,7 +245,37 @@ impl Default for Settings {
             sampler: SamplerKind::Sobol,
             backend: Backend::ALL[0],
             build: BuildQuality::Auto,
-            compact: false,
+            compact: Compact::No,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where the measured costs meet, for a mesh below and one above the limit of 20 million samples.
+    #[test]
+    fn automatic_builds_are_low_for_previews_of_large_meshes_only() {
+        let auto = |triangles, samples| BuildQuality::Auto.resolve(triangles, samples);
+        assert_eq!(auto(871_264, 640 * 480), Quality::Low);
+        assert_eq!(auto(871_264, 640 * 480 * 64), Quality::Medium);
+        assert_eq!(auto(871_264, 6 * 871_264 - 1), Quality::Low);
+        assert_eq!(auto(871_264, 6 * 871_264), Quality::Medium);
+        assert_eq!(auto(5_000_000, 19_999_999), Quality::Low);
+        assert_eq!(auto(5_000_000, 20_000_000), Quality::Medium);
+        // A small mesh is built in no time at all; nothing overflows.
+        assert_eq!(auto(100_000, 1), Quality::Medium);
+        assert_eq!(auto(u64::MAX, 1), Quality::Low);
+        for (quality, samples) in [(Quality::Low, u64::MAX), (Quality::High, 1), (Quality::Medium, 1)] {
+            assert_eq!(BuildQuality::Fixed(quality).resolve(5_000_000, samples), quality);
+        }
+    }
+
+    #[test]
+    fn compact_structures_are_for_who_asks() {
+        assert_eq!(Settings::default().compact, Compact::No);
+        assert!(!Compact::No.resolve(|| true) && Compact::Yes.resolve(|| false));
+        assert!(Compact::Auto.resolve(|| true) && !Compact::Auto.resolve(|| false));
     }
 }

@@ -38,6 +38,7 @@ mod degenerate;
 mod edge_on;
 mod leaks;
 mod meshes;
+mod random_bits;
 mod silhouettes;
 mod watertight;
 

@@ -20,10 +20,10 @@ impl Tree<'_> {
             }
             let node = &self.nodes[child.index()];
             let comes_near = |slot: &usize| {
-                // Empty slots reach from +∞ to −∞ and pass no axis.
+                // Empty slots reach from +∞ to −∞. An infinite radius would take them in, and their child is the root.
                 (0..3).all(|k| {
                     let [lo, hi] = &node.planes[k];
-                    lo[*slot] <= point[k] + radius && hi[*slot] >= point[k] - radius
+                    lo[*slot] <= hi[*slot] && lo[*slot] <= point[k] + radius && hi[*slot] >= point[k] - radius
                 })
             };
             todo.extend((0..WIDTH).filter(comes_near).map(|slot| node.children[slot]));

@@ -1,11 +1,11 @@
-//! Embree by itself, for measurements: the yardstick that others are held against (`benches/accel`).
-//!
-//! It lives here and not in `benches/` because it takes raw pointers, and because it must trace the very scene
-//! that the backend traces: what the two differ by is then the backend's own cost.
+//! Embree by itself, for measurements: the yardstick that the backend's own cost is held against
+//! (`benches/accel`, `benches/embree.rs`), and the ways that `trace.rs` chooses from.
 #![allow(unsafe_code)]
 
 use super::Embree;
-use crate::accel::{LANES, Mask, Rays};
+use super::trace;
+pub use super::trace::Way;
+use crate::accel::{Checked, Hits, LANES, Mask, Rays};
 use embree_sys as sys;
 
 /// Rays in Embree's own layout, ready to be traced once by a loop in C.
@@ -20,38 +20,26 @@ pub struct Bare<'a> {
 impl Embree {
     /// Lays out the lanes of `chunks` that are asked and sound.
     pub fn bare(&self, chunks: &[(Rays, Mask)]) -> Bare<'_> {
-        let lanes = chunks.iter().flat_map(|(rays, mask)| {
-            let active = rays.check(*mask).active();
-            (0..LANES).filter(move |lane| active >> lane & 1 == 1).map(move |lane| (rays, lane))
-        });
-        let any: Vec<sys::RTCRay> = lanes.map(|(rays, lane)| ray(rays, lane)).collect();
-        let closest = any.iter().map(|&ray| question(ray)).collect();
+        let lanes = || {
+            chunks.iter().flat_map(|(rays, mask)| {
+                let active = rays.check(*mask).active();
+                (0..LANES).filter(move |lane| active >> lane & 1 == 1).map(move |lane| (rays, lane))
+            })
+        };
+        let closest = lanes().map(|(rays, lane)| trace::ray_hit(rays, lane)).collect();
+        let any = lanes().map(|(rays, lane)| trace::ray(rays, lane)).collect();
         Bare { embree: self, closest, any, asked: [false; 2] }
     }
-}
 
-fn ray(rays: &Rays, lane: usize) -> sys::RTCRay {
-    sys::RTCRay {
-        org_x: rays.ox[lane],
-        org_y: rays.oy[lane],
-        org_z: rays.oz[lane],
-        tnear: rays.tmin[lane],
-        dir_x: rays.dx[lane],
-        dir_y: rays.dy[lane],
-        dir_z: rays.dz[lane],
-        time: 0.0,
-        tfar: rays.tmax[lane],
-        mask: u32::MAX,
-        id: 0,
-        flags: 0,
+    /// Closest hits as Embree gives them, by the way that is named: neither named nor settled.
+    pub fn closest_by(&self, way: Way, rays: Checked<'_>, hits: &mut Hits) {
+        let _ = trace::closest_by(way, &self.scene, self.width, rays, hits);
     }
-}
 
-fn question(ray: sys::RTCRay) -> sys::RTCRayHit {
-    let mut question = sys::RTCRayHit { ray, hit: sys::RTCHit::default() };
-    question.hit.geomID = sys::INVALID_ID;
-    question.hit.instID = [sys::INVALID_ID];
-    question
+    /// The active lanes that hit anything, by the way that is named.
+    pub fn occluded_by(&self, way: Way, rays: Checked<'_>) -> Mask {
+        trace::occluded_by(way, &self.scene, self.width, rays)
+    }
 }
 
 impl Bare<'_> {

@@ -2,18 +2,23 @@
 #![allow(unsafe_code)]
 
 use crate::error::{Error, Result};
-use crate::math::isa::Isa;
 use embree_sys as sys;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr::null_mut;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicIsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicIsize, Ordering};
 
 /// What the callbacks of a device write to.
 #[derive(Default)]
 struct Watch {
     /// Bytes that Embree holds.
     bytes: AtomicIsize,
+    /// The most that it held at once.
+    peak: AtomicIsize,
+    /// The most that it may hold.
+    limit: isize,
+    /// Whether it was refused more.
+    refused: AtomicBool,
     /// What Embree said about its first error.
     message: Mutex<Option<String>>,
 }
@@ -31,8 +36,8 @@ unsafe impl Send for Device {}
 unsafe impl Sync for Device {}
 
 impl Device {
-    /// A device for `isa` that builds with at most `threads` threads (0: all).
-    pub(super) fn new(isa: Isa, threads: usize) -> Result<Self> {
+    /// A device for `isa` that builds with at most `threads` threads (0: all) and holds at most `memory` bytes.
+    pub(super) fn new(isa: &str, threads: usize, memory: Option<u64>) -> Result<Self> {
         let config = config(isa, threads);
         let text = CString::new(config.as_str()).unwrap_or_default();
         // SAFETY: a NUL-terminated string that lives through the call.
@@ -43,7 +48,8 @@ impl Device {
             return Err(Error::new(format!("Embree cannot start ({}; {config})", code_name(code)))
                 .advise("choose another instruction set, or the backend \"bvh\""));
         }
-        let device = Device { handle, watch: Box::default() };
+        let limit = memory.and_then(|bytes| isize::try_from(bytes).ok()).unwrap_or(isize::MAX);
+        let device = Device { handle, watch: Box::new(Watch { limit, ..Watch::default() }) };
         let watch = &raw const *device.watch as *mut c_void;
         // SAFETY: `watch` outlives the device (`Drop` releases the device first) and is only read through `&`.
         unsafe {
@@ -63,6 +69,12 @@ impl Device {
         self.watch.bytes.load(Ordering::Relaxed).max(0) as usize
     }
 
+    /// The most bytes that they held at once.
+    #[cfg(test)]
+    pub(super) fn peak(&self) -> usize {
+        self.watch.peak.load(Ordering::Relaxed).max(0) as usize
+    }
+
     /// A property, as a flag.
     pub(super) fn has(&self, property: sys::RTCDeviceProperty) -> bool {
         // SAFETY: the device lives.
@@ -78,8 +90,11 @@ impl Device {
             sys::RTC_ERROR_NONE => Ok(()),
             sys::RTC_ERROR_CANCELLED => Err(super::cancelled()),
             sys::RTC_ERROR_OUT_OF_MEMORY => {
-                Err(Error::new(format!("not enough memory for Embree to {doing}"))
-                    .advise("use a smaller mesh, or `render.compact = true`"))
+                let refused = self.watch.refused.swap(false, Ordering::Relaxed);
+                let free =
+                    if refused { format!(": {} MB are free", self.watch.limit >> 20) } else { String::new() };
+                Err(Error::new(format!("not enough memory for Embree to {doing}{free}"))
+                    .advise("use a smaller mesh, or `render.compact = \"auto\"`"))
             }
             code => {
                 let said =
@@ -100,12 +115,12 @@ impl Drop for Device {
 
 /// The device's configuration; nothing in it depends on the machine except the number of threads, which
 /// does not change the tree (see the module documentation of [`super`]).
-fn config(isa: Isa, threads: usize) -> String {
+fn config(isa: &str, threads: usize) -> String {
     let machine = std::thread::available_parallelism().map_or(1, usize::from);
     // More threads than processors would make TBB complain on stderr.
     let threads = if threads == 0 || threads >= machine { 0 } else { threads };
     if cfg!(target_arch = "x86_64") {
-        format!("threads={threads},isa={},frequency_level=simd256", isa.name())
+        format!("threads={threads},isa={isa},frequency_level=simd256")
     } else {
         format!("threads={threads}")
     }
@@ -135,11 +150,23 @@ unsafe extern "C" fn on_error(watch: *mut c_void, _code: sys::RTCError, text: *c
     }
 }
 
-/// Counts; `bytes` is negative where memory is given back.
-unsafe extern "C" fn on_memory(watch: *mut c_void, bytes: isize, _post: bool) -> bool {
-    if !watch.is_null() {
-        // SAFETY: as in `on_error`.
-        unsafe { &*watch.cast::<Watch>() }.bytes.fetch_add(bytes, Ordering::Relaxed);
+/// Counts, and refuses what is beyond the limit: Embree then gives back what it has and ends with an error, where a
+/// system that promises more memory than it has would end the process. `bytes` is negative where memory is given back;
+/// `post` means that it is taken already.
+unsafe extern "C" fn on_memory(watch: *mut c_void, bytes: isize, post: bool) -> bool {
+    if watch.is_null() {
+        return true;
     }
+    // SAFETY: as in `on_error`.
+    let watch = unsafe { &*watch.cast::<Watch>() };
+    let held = watch.bytes.fetch_add(bytes, Ordering::Relaxed).saturating_add(bytes);
+    if bytes > 0 && held > watch.limit {
+        watch.refused.store(true, Ordering::Relaxed);
+        if !post {
+            watch.bytes.fetch_sub(bytes, Ordering::Relaxed);
+        }
+        return false;
+    }
+    watch.peak.fetch_max(held, Ordering::Relaxed);
     true
 }

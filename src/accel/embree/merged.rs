@@ -18,6 +18,8 @@ pub(super) struct Merged {
     indices: Vec<[u32; 3]>,
     /// Index of each mesh's first triangle in `indices`, and their number at the end.
     first: Vec<u32>,
+    /// The longest edge of each mesh.
+    longest: Vec<f32>,
 }
 
 impl Merged {
@@ -34,6 +36,7 @@ impl Merged {
         let vertices: usize = meshes.iter().map(|m| m.positions.len()).sum();
         let triangles: usize = meshes.iter().map(|m| m.indices.len()).sum();
         let (mut positions, mut indices, mut first) = (Vec::new(), Vec::new(), Vec::new());
+        let mut longest = vec![0.0; meshes.len()];
         let room = positions
             .try_reserve_exact(vertices + Positions::PADDING)
             .and_then(|()| indices.try_reserve_exact(triangles))
@@ -41,18 +44,24 @@ impl Merged {
         room.map_err(|_| {
             Error::new(format!("not enough memory to join {triangles} triangles for a low build"))
         })?;
-        for mesh in meshes {
+        for (mesh, longest) in meshes.iter().zip(&mut longest) {
             let base = positions.len() as u32;
             first.push(indices.len() as u32);
-            indices.extend(mesh.indices.iter().map(|&corners| sound(&mesh.positions, corners, base)));
+            indices
+                .extend(mesh.indices.iter().map(|&corners| sound(&mesh.positions, corners, base, longest)));
             positions.extend_from_slice(&mesh.positions);
         }
         first.push(indices.len() as u32);
-        Ok(Merged { positions: Positions::new(positions), indices, first })
+        Ok(Merged { positions: Positions::new(positions), indices, first, longest })
     }
 
     pub(super) fn buffers(&self) -> Buffers<'_> {
         Buffers::new(&self.positions, &self.indices)
+    }
+
+    /// The longest edge of each mesh.
+    pub(super) fn longest(&self) -> Vec<f32> {
+        self.longest.clone()
     }
 
     pub(super) fn bytes(&self) -> usize {

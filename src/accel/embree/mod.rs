@@ -19,6 +19,8 @@
 
 pub mod bare;
 mod device;
+mod doubt;
+pub mod memory;
 mod merged;
 mod near;
 mod scene;
@@ -26,6 +28,8 @@ mod shared;
 mod trace;
 mod weights;
 
+#[cfg(test)]
+mod guard;
 #[cfg(test)]
 mod tests;
 
@@ -36,6 +40,7 @@ use crate::math::Vec3;
 use crate::math::isa::Isa;
 use crate::shape::Mesh;
 use device::Device;
+use doubt::Areas;
 use merged::Merged;
 use scene::Scene;
 use shared::Shared;
@@ -49,8 +54,11 @@ pub struct Embree {
     device: Device,
     geometry: Geometry,
     meshes: Vec<Arc<Mesh>>,
+    /// The longest edge of each mesh.
+    longest: Vec<f32>,
+    compact: bool,
     width: Width,
-    isa: Isa,
+    isa: &'static str,
 }
 
 /// The buffers that the scene reads for as long as it lives.
@@ -68,23 +76,31 @@ impl Embree {
     /// An instruction set that this machine lacks, buffers beyond Embree's limits, too little memory, or a
     /// build that the progress callback cancelled.
     pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Self> {
-        Embree::build_with(meshes, options, true)
+        let isa = options.isa.unwrap_or_else(Isa::best);
+        if isa > Isa::best() {
+            return Err(Error::usage(format!("this machine has no {}", isa.name()))
+                .advise(format!("its best is \"{}\"", Isa::best().name())));
+        }
+        Self::build_as(meshes, options, isa.name(), true, memory::available())
     }
 
     /// Without the robust flag: rays slip through edges and vertices. For comparisons alone.
     #[doc(hidden)]
     pub fn build_fast(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Self> {
-        Embree::build_with(meshes, options, false)
+        let isa = options.isa.unwrap_or_else(Isa::best).min(Isa::best());
+        Self::build_as(meshes, options, isa.name(), false, memory::available())
     }
 
-    fn build_with(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>, robust: bool) -> Result<Self> {
+    /// Builds with the kernels that Embree calls `isa`, of which it has more than drt, in `memory` bytes.
+    fn build_as(
+        meshes: &[Arc<Mesh>],
+        options: &BuildOptions<'_>,
+        isa: &'static str,
+        robust: bool,
+        memory: Option<u64>,
+    ) -> Result<Self> {
         if !(options.progress)(0.0) {
             return Err(cancelled());
-        }
-        let isa = options.isa.unwrap_or_else(Isa::best);
-        if isa > Isa::best() {
-            return Err(Error::usage(format!("this machine has no {}", isa.name()))
-                .advise(format!("its best is \"{}\"", Isa::best().name())));
         }
         for (index, mesh) in meshes.iter().enumerate() {
             check_limits(index, mesh.positions.len() as u64, mesh.indices.len() as u64)?;
@@ -93,7 +109,7 @@ impl Embree {
             Quality::Low if Merged::pays(meshes) => Geometry::Merged(Merged::new(meshes)?),
             _ => Geometry::Shared(Shared::new(meshes)?),
         };
-        let device = Device::new(isa, options.threads)?;
+        let device = Device::new(isa, options.threads, memory)?;
         let mut uncommitted = scene::Uncommitted::new(&device, options.quality, robust, options.compact)?;
         match &geometry {
             Geometry::Shared(shared) => {
@@ -104,31 +120,49 @@ impl Embree {
             Geometry::Merged(merged) => uncommitted.attach(0, merged.buffers())?,
         }
         let scene = uncommitted.commit(options.progress)?;
+        let longest = match &geometry {
+            Geometry::Shared(shared) => shared.longest(),
+            Geometry::Merged(merged) => merged.longest(),
+        };
         let width = Width::native(&device);
-        Ok(Embree { scene, device, geometry, meshes: meshes.to_vec(), width, isa })
+        Ok(Embree {
+            scene,
+            device,
+            geometry,
+            meshes: meshes.to_vec(),
+            longest,
+            compact: options.compact,
+            width,
+            isa,
+        })
     }
 }
 
 impl Embree {
-    /// Embree's own answers, with the meshes' names.
+    /// Embree's own answers, with the meshes' names, and what Embree says of the triangles' areas.
     #[inline(always)]
-    fn trace(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
-        trace::closest(&self.scene, self.width, rays, coherence, hits);
+    fn trace(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) -> Areas {
+        let areas = trace::closest(&self.scene, self.width, rays, coherence, hits);
         if let Geometry::Merged(merged) = &self.geometry {
             merged.name_hits(rays.active(), hits);
         }
+        areas
     }
 }
 
 impl Intersector for Embree {
     fn closest(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
-        self.trace(rays, coherence, hits);
-        weights::weigh(|hits, lane| self.hit(hits, lane), rays.rays(), rays.active(), hits);
-        settle(self, rays.rays(), rays.active(), hits);
+        let areas = self.trace(rays, coherence, hits);
+        let (rays, active) = (rays.rays(), rays.active());
+        let doubtful = doubt::doubtful(rays, active, hits, &areas, &self.longest);
+        if doubtful != 0 {
+            weights::weigh(|hits, lane| self.hit(hits, lane), rays, doubtful, hits);
+            settle(self, rays, doubtful, hits);
+        }
     }
 
-    fn occluded(&self, rays: Checked<'_>, coherence: Coherence) -> Mask {
-        trace::occluded(&self.scene, self.width, rays, coherence)
+    fn occluded(&self, rays: Checked<'_>, _: Coherence) -> Mask {
+        trace::occluded(&self.scene, self.width, rays)
     }
 
     fn bytes(&self) -> usize {
@@ -139,8 +173,12 @@ impl Intersector for Embree {
         self.device.bytes() + own
     }
 
+    fn compact(&self) -> bool {
+        self.compact
+    }
+
     fn isa(&self) -> &str {
-        self.isa.name()
+        self.isa
     }
 }
 
@@ -164,7 +202,7 @@ impl Triangles for Embree {
 
     fn ask(&self, rays: &Rays, active: Mask) -> Option<Hits> {
         let mut hits = Hits::default();
-        self.trace(rays.check(active), Coherence::Incoherent, &mut hits);
+        let _ = self.trace(rays.check(active), Coherence::Incoherent, &mut hits);
         Some(hits)
     }
 }

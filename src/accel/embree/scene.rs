@@ -47,12 +47,21 @@ impl Drop for Scene {
 /// Embree's 16-byte loads need. A triangle with an index out of range is left out
 /// by Embree's own check at commit.
 pub(super) struct Buffers<'a> {
-    positions: &'a Positions,
+    positions: &'a [[f32; 3]],
     indices: &'a [[u32; 3]],
 }
 
 impl<'a> Buffers<'a> {
     pub(super) fn new(positions: &'a Positions, indices: &'a [[u32; 3]]) -> Self {
+        Buffers { positions, indices }
+    }
+
+    /// Buffers at a place of the test's choice.
+    ///
+    /// # Safety
+    /// `Positions::PADDING` elements behind the last position are readable.
+    #[cfg(test)]
+    pub(super) unsafe fn padded(positions: &'a [[f32; 3]], indices: &'a [[u32; 3]]) -> Self {
         Buffers { positions, indices }
     }
 }

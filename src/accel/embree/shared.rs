@@ -1,5 +1,6 @@
 //! A geometry a mesh, on the mesh's own buffers.
 
+use super::doubt::longest_edge;
 use super::scene::Buffers;
 use crate::accel::brute::has_area;
 use crate::error::{Error, Result};
@@ -15,11 +16,16 @@ const LEFT_OUT: [u32; 3] = [u32::MAX; 3];
 ///
 /// Embree's test hits triangles without area: the cross product of parallel edges is not zero in f32 once a
 /// multiplication is fused or rounded, and the "hit" may be far from the sliver.
+///
+/// Raises `longest` to the length of the triangle's longest edge.
 #[inline]
-pub(super) fn sound(positions: &Positions, corners: [u32; 3], base: u32) -> [u32; 3] {
+pub(super) fn sound(positions: &Positions, corners: [u32; 3], base: u32, longest: &mut f32) -> [u32; 3] {
     let [a, b, c] = corners.map(|i| positions.get(i as usize).map(|&p| Vec3::from(p)));
     match (a, b, c) {
-        (Some(a), Some(b), Some(c)) if has_area([a, b, c]) => corners.map(|i| i + base),
+        (Some(a), Some(b), Some(c)) if has_area([a, b, c]) => {
+            *longest = longest.max(longest_edge([a, b, c]));
+            corners.map(|i| i + base)
+        }
         _ => LEFT_OUT,
     }
 }
@@ -31,19 +37,29 @@ struct Part {
     mesh: Arc<Mesh>,
     /// Instead of the mesh's own, where some of its triangles are left out.
     indices: Option<Vec<[u32; 3]>>,
+    /// The longest edge.
+    longest: f32,
 }
 
 impl Shared {
     pub(super) fn new(meshes: &[Arc<Mesh>]) -> Result<Self> {
-        let part = |mesh: &Arc<Mesh>| Ok(Part { mesh: mesh.clone(), indices: without_flat(mesh)? });
+        let part = |mesh: &Arc<Mesh>| {
+            let (indices, longest) = without_flat(mesh)?;
+            Ok(Part { mesh: mesh.clone(), indices, longest })
+        };
         Ok(Shared(meshes.iter().map(part).collect::<Result<_>>()?))
     }
 
     /// The buffers, in order.
     pub(super) fn buffers(&self) -> impl Iterator<Item = Buffers<'_>> {
-        self.0.iter().map(|Part { mesh, indices }| {
+        self.0.iter().map(|Part { mesh, indices, .. }| {
             Buffers::new(&mesh.positions, indices.as_deref().unwrap_or(&mesh.indices))
         })
+    }
+
+    /// The longest edge of each mesh.
+    pub(super) fn longest(&self) -> Vec<f32> {
+        self.0.iter().map(|part| part.longest).collect()
     }
 
     /// Bytes of the copies.
@@ -52,15 +68,26 @@ impl Shared {
     }
 }
 
-/// `None` when every triangle of the mesh may be hit.
-fn without_flat(mesh: &Mesh) -> Result<Option<Vec<[u32; 3]>>> {
-    let changed = |&corners: &[u32; 3]| sound(&mesh.positions, corners, 0) != corners;
-    if !mesh.indices.par_chunks(1 << 14).any(|chunk| chunk.iter().any(changed)) {
-        return Ok(None);
+/// The indices, `None` when every triangle of the mesh may be hit, and the longest edge.
+fn without_flat(mesh: &Mesh) -> Result<(Option<Vec<[u32; 3]>>, f32)> {
+    let look = |chunk: &[[u32; 3]]| {
+        let (mut changed, mut longest) = (false, 0.0);
+        for &corners in chunk {
+            changed |= sound(&mesh.positions, corners, 0, &mut longest) != corners;
+        }
+        (changed, longest)
+    };
+    let (changed, mut longest) = mesh
+        .indices
+        .par_chunks(1 << 14)
+        .map(look)
+        .reduce(|| (false, 0.0), |(a, l), (b, m)| (a | b, l.max(m)));
+    if !changed {
+        return Ok((None, longest));
     }
     let mut own = Vec::new();
     own.try_reserve_exact(mesh.indices.len())
         .map_err(|_| Error::new(format!("not enough memory for {} triangles", mesh.indices.len())))?;
-    own.extend(mesh.indices.iter().map(|&corners| sound(&mesh.positions, corners, 0)));
-    Ok(Some(own))
+    own.extend(mesh.indices.iter().map(|&corners| sound(&mesh.positions, corners, 0, &mut longest)));
+    Ok((Some(own), longest))
 }

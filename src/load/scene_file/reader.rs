@@ -131,7 +131,7 @@ impl<'t> Field<'t> {
         locate(error, &self.node.origin, self.file)
     }
 
-    fn must_be(&self, what: &str) -> Error {
+    pub fn must_be(&self, what: &str) -> Error {
         self.error(format!("{} must be {what}, not {}", self.name, self.node.value.show()))
     }
 

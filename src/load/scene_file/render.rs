@@ -4,7 +4,7 @@ use super::reader::{Field, Section, Shorthand};
 use crate::accel::Backend;
 use crate::error::Result;
 use crate::quadrature::hemisphere::{Cells, Fan, HemisphereRule, Measure};
-use crate::scene::{BuildQuality, Directions, IntegratorKind, LightSampling, SamplerKind, Settings};
+use crate::scene::{BuildQuality, Compact, Directions, IntegratorKind, LightSampling, SamplerKind, Settings};
 
 /// Samples a pixel at most.
 pub(crate) const MOST_SPP: u32 = 1 << 20;
@@ -28,9 +28,18 @@ pub(super) fn read<'t>(mut render: Section<'t>, settings: &mut Settings) -> Resu
     assign(&mut s.sampler, render.read("sampler", |f| f.word(&["halton"], SamplerKind::from_name))?);
     assign(&mut s.backend, render.read("backend", |f| f.word(&[], Backend::from_name))?);
     assign(&mut s.build, render.read("build", |f| f.word(&[], BuildQuality::from_name))?);
-    assign(&mut s.compact, render.read("compact", |f| f.bool())?);
+    assign(&mut s.compact, render.read("compact", compact)?);
     render.finish()?;
     Ok(spp)
+}
+
+fn compact(field: Field<'_>) -> Result<Compact> {
+    match (field.text(), field.bool()) {
+        (Ok("auto"), _) => Ok(Compact::Auto),
+        (_, Ok(true)) => Ok(Compact::Yes),
+        (_, Ok(false)) => Ok(Compact::No),
+        _ => Err(field.must_be("true, false or \"auto\"")),
+    }
 }
 
 fn assign<T>(target: &mut T, value: Option<T>) {

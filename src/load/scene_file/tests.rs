@@ -5,7 +5,7 @@ use crate::film::{Aov, Filter};
 use crate::load::framing::Lens;
 use crate::load::place::NormalsMode;
 use crate::math::{DVec3, Rgb};
-use crate::scene::IntegratorKind;
+use crate::scene::{Compact, IntegratorKind};
 
 const FILE: &str = "dir/scene.toml";
 
@@ -83,7 +83,10 @@ intensity = [1, 2, 3]
         assert_eq!(s.filter, Filter::Gaussian { sigma: 0.5, radius: 2.0 });
         assert_eq!(s.aovs, [Aov::Depth, Aov::Ids]);
         assert_eq!(s.integrator, IntegratorKind::Ao { distance: 2.0 });
-        assert_eq!((s.roulette, s.spp, s.max_depth, s.seed, s.compact), (false, 7, 0, u64::MAX, true));
+        assert_eq!(
+            (s.roulette, s.spp, s.max_depth, s.seed, s.compact),
+            (false, 7, 0, u64::MAX, Compact::Yes)
+        );
         assert_eq!(plan.meshes[0].file, Path::new("dir/a.obj"));
         assert_eq!(plan.meshes[1].file, Path::new("/b.obj"));
         assert_eq!(plan.meshes[0].normals, NormalsMode::Smooth { crease: 60.0 });
