@@ -1,5 +1,7 @@
 //! Boxes as the builder likes them: upper planes negated, so that every union is one element-wise minimum.
 
+use glam::Vec4;
+
 /// Lanes 0–2 hold the lower corner, lanes 4–6 the negated upper corner; lanes 3 and 7 belong to the owner
 /// and are not part of the box.
 #[derive(Clone, Copy, Debug)]
@@ -43,8 +45,11 @@ impl Bounds {
     /// Grows to hold `other`. Minima are associative and commutative, so no order of the work shows.
     #[inline(always)]
     pub fn add(&mut self, other: &Bounds) {
-        for (mine, theirs) in self.0.iter_mut().zip(&other.0) {
-            *mine = if *theirs < *mine { *theirs } else { *mine };
+        // glam's minimum, since of `if a < b { a } else { b }` the compiler makes a masked store where the
+        // machine has one, and the next load of the same box has to wait for that.
+        for half in [0, 4] {
+            let (mine, theirs) = (&mut self.0[half..half + 4], &other.0[half..half + 4]);
+            Vec4::from_slice(theirs).min(Vec4::from_slice(mine)).write_to_slice(mine);
         }
     }
 
@@ -62,10 +67,38 @@ impl Bounds {
         [b[0] - b[4], b[1] - b[5], b[2] - b[6], 0.0]
     }
 
-    /// Grows to hold a point.
+    /// The box of one point.
     #[inline(always)]
-    pub fn add_point(&mut self, [x, y, z, _]: [f32; 4]) {
-        self.add(&Bounds([x, y, z, 0.0, -x, -y, -z, 0.0]));
+    pub fn point([x, y, z, _]: [f32; 4]) -> Bounds {
+        Bounds([x, y, z, 0.0, -x, -y, -z, 0.0])
+    }
+
+    /// This box, or the empty one; without a branch.
+    #[inline(always)]
+    pub fn or_empty(self, keep: bool) -> Bounds {
+        Bounds(self.0.map(|x| if keep { x } else { f32::INFINITY }))
+    }
+
+    /// Moved outwards on all sides; the empty box stays empty.
+    #[inline(always)]
+    pub fn enlarged(self, by: f32) -> Bounds {
+        Bounds(self.0.map(|x| x - by))
+    }
+
+    /// What of this box is in `other`, with the words of `other`'s owner.
+    #[inline(always)]
+    pub fn within(self, other: &Bounds) -> Bounds {
+        let mut both = *other;
+        for k in [0, 1, 2, 4, 5, 6] {
+            both.0[k] = both.0[k].max(self.0[k]);
+        }
+        both
+    }
+
+    /// True when no point is inside.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.extent().iter().any(|e| *e < 0.0)
     }
 
     /// Edge lengths; negative for the empty box.

@@ -3,29 +3,37 @@
 //! A node starts as one group of triangles; the group with the largest surface is split ([`super::split`])
 //! until there are eight or none is worth splitting. Subtrees of up to [`SUBTREE`] triangles are one task each
 //! and store their nodes depth first, which keeps what a ray visits close together in memory; the tasks'
-//! nodes are then joined in the tree's order.
+//! nodes are then joined in the tree's order. That is medium quality; high also splits space
+//! ([`super::spatial`]), for which every group has spare room behind its references; low is another matter
+//! ([`super::morton`]).
+//!
+//! **Memory.** References are sorted in place and are gone, but for the triangles' ids, before the blocks are
+//! filled, so a build peaks at 1.2 times the finished structure (1.5 in high quality).
 //!
 //! **Depth.** The traversal's stack holds [`MAX_DEPTH`] levels. After [`HEURISTIC_DEPTH`] levels (ordinary
 //! meshes need about log₈ n) the largest group is halved by count instead, so that a level divides the
 //! number of triangles by eight: at most ten more levels for the largest mesh allowed.
 
+use super::bins::MAX_BINS;
 use super::bounds::Bounds;
+use super::morton;
 use super::node::{Child, Node, WIDTH};
-use super::split::{Group, PARALLEL, Split, halve};
+use super::parts::{Part, Progress, Tree, fill_blocks, reserve};
+use super::spatial::{self, BUDGET, OVERLAP, Spatial};
+use super::split::{Group, Split, halve, share_room};
 use super::traverse::MAX_DEPTH;
 use super::triangle::{BLOCK, Block};
-use crate::accel::{BuildOptions, Quality, cancelled};
+use crate::accel::{BuildOptions, Quality};
 use crate::error::{Error, Result};
 use crate::shape::Mesh;
 use rayon::prelude::*;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Triangles up to which a subtree is built by one thread.
-const SUBTREE: usize = 1 << 14;
+pub const SUBTREE: usize = 1 << 14;
 
 /// Levels that follow the surface area heuristic.
-const HEURISTIC_DEPTH: usize = 24;
+pub const HEURISTIC_DEPTH: usize = 24;
 
 // 2^28 triangles are blocks of at most four after ten levels of eight, and one level holds the leaves.
 const _: () = assert!(HEURISTIC_DEPTH + 10 < MAX_DEPTH);
@@ -43,45 +51,47 @@ pub struct Built {
 
 /// Builds the tree over `meshes`.
 pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Built> {
-    let mut refs = references(meshes)?;
-    let empty = Built { nodes: Vec::new(), blocks: Vec::new() };
-    if refs.is_empty() {
-        return if (options.progress)(1.0) { Ok(empty) } else { Err(cancelled()) };
-    }
-    let builder = Builder {
-        bins: if options.quality == Quality::Low { 8 } else { 32 },
-        total: refs.len(),
-        done: AtomicUsize::new(0),
-        stopped: AtomicBool::new(false),
-        progress: options.progress,
-    };
-    let mut scratch = Vec::new();
-    if refs.len() >= PARALLEL {
-        reserve(&mut scratch, refs.len())?;
-        scratch.resize(refs.len(), Bounds::EMPTY);
-    }
-    let whole = Group::around(&refs, 0);
-    let tree = builder.grow(&mut refs, &mut scratch, 0, whole, 0)?;
-    drop(scratch);
-    let joined = Part::join(tree)?;
-    let blocks = fill_blocks(meshes, &refs, &joined.spans)?;
-    builder.report(0)?;
-    Ok(Built { nodes: joined.nodes, blocks })
-}
-
-/// Boxes of all triangles with area, with mesh and triangle id as the owner's words.
-fn references(meshes: &[Arc<Mesh>]) -> Result<Vec<Bounds>> {
     let total: usize = meshes.iter().map(|m| m.indices.len()).sum();
     if total > Child::MAX_INDEX || meshes.len() >= u32::MAX as usize {
         return Err(Error::new(format!("{total} triangles are more than the BVH can hold"))
             .advise(format!("its limit is {}; use another backend", Child::MAX_INDEX)));
     }
+    if options.quality == Quality::Low {
+        return morton::build(meshes, options);
+    }
+    let extra = match options.quality {
+        Quality::High => ((total as f64 * BUDGET) as usize).min(Child::MAX_INDEX - total),
+        _ => 0,
+    };
+    let mut refs = references(meshes, total, extra)?;
+    let progress = Progress::new(refs.len(), options);
+    if refs.is_empty() {
+        return progress.report(0).map(|()| Built { nodes: Vec::new(), blocks: Vec::new() });
+    }
+    let mut whole = Group::around(&refs, 0);
+    whole.room += extra;
+    refs.resize(whole.room, Bounds::EMPTY);
+    let builder = Builder { meshes, least_overlap: OVERLAP * whole.bounds.half_area(), progress };
+    let tree = builder.grow(&mut refs, 0, whole, 0)?;
+    // The boxes are in the nodes by now; a quarter of the memory keeps what the blocks still need.
+    let ids = ids(refs)?;
+    let joined = Part::join(tree)?;
+    let blocks = fill_blocks(meshes, |i| ids[i], &joined.spans)?;
+    builder.progress.report(0)?;
+    Ok(Built { nodes: joined.nodes, blocks })
+}
+
+/// Boxes of all triangles with area, with mesh and triangle id as the owner's words, and room for
+/// `extra` more.
+fn references(meshes: &[Arc<Mesh>], total: usize, extra: usize) -> Result<Vec<Bounds>> {
     let mut refs: Vec<Bounds> = Vec::new();
-    reserve(&mut refs, total)?;
+    reserve(&mut refs, total + extra)?;
     for (id, mesh) in meshes.iter().enumerate() {
         refs.par_extend(mesh.indices.par_iter().enumerate().map(|(triangle, _)| {
             let corners = mesh.triangle(triangle);
-            let bounds = Bounds::of_triangle(corners.map(|p| p.to_array()), id as u32, triangle as u32);
+            let points = corners.map(|p| p.to_array());
+            let bounds = Bounds::of_triangle(points, id as u32, triangle as u32);
+            let bounds = if extra > 0 { spatial::with_margin(bounds, &points) } else { bounds };
             if crate::accel::brute::has_area(corners) { bounds } else { Bounds([f32::NAN; 8]) }
         }));
     }
@@ -90,138 +100,46 @@ fn references(meshes: &[Arc<Mesh>]) -> Result<Vec<Bounds>> {
     Ok(refs)
 }
 
-/// Reserves room for `more` elements, or says that memory ran out.
-fn reserve<T>(vec: &mut Vec<T>, more: usize) -> Result<()> {
-    vec.try_reserve_exact(more).map_err(|_| {
-        let mib = (more * size_of::<T>()) >> 20;
-        Error::new(format!("not enough memory for the acceleration structure ({mib} MiB more were needed)"))
-            .advise("use a smaller mesh or a machine with more memory")
-    })
-}
-
-/// A finished piece of the tree: nodes, and per block the first reference and the number of triangles.
-#[derive(Default)]
-struct Part {
-    nodes: Vec<Node>,
-    spans: Vec<(u32, u32)>,
-}
-
-/// The tree above the tasks.
-enum Tree {
-    Leaf { first: usize, len: usize },
-    Part(Part),
-    Node(Vec<(Group, Tree)>),
-}
-
-impl Part {
-    fn leaf(&mut self, first: usize, len: usize) -> Child {
-        let child = Child::leaf(self.spans.len(), len.div_ceil(BLOCK));
-        for start in (0..len).step_by(BLOCK) {
-            self.spans.push(((first + start) as u32, BLOCK.min(len - start) as u32));
-        }
-        child
-    }
-
-    /// Everything in one piece, depth first.
-    fn join(tree: Tree) -> Result<Part> {
-        let mut all = Part::default();
-        let (nodes, spans) = tree.size();
-        reserve(&mut all.nodes, nodes)?;
-        reserve(&mut all.spans, spans)?;
-        all.append(tree);
-        Ok(all)
-    }
-
-    fn append(&mut self, tree: Tree) -> Child {
-        match tree {
-            Tree::Leaf { first, len } => self.leaf(first, len),
-            Tree::Part(part) => {
-                let (nodes, blocks) = (self.nodes.len(), self.spans.len());
-                self.spans.extend_from_slice(&part.spans);
-                self.nodes.extend(part.nodes.into_iter().map(|mut node| {
-                    node.children = node.children.map(|c| c.moved(nodes, blocks));
-                    node
-                }));
-                Child::node(nodes)
-            }
-            Tree::Node(children) => {
-                let index = self.nodes.len();
-                self.nodes.push(Node::EMPTY);
-                for (slot, (group, child)) in children.into_iter().enumerate() {
-                    let child = self.append(child);
-                    self.nodes[index].set(slot, &group.bounds, child);
-                }
-                Child::node(index)
-            }
-        }
-    }
-}
-
-impl Tree {
-    /// Numbers of nodes and blocks.
-    fn size(&self) -> (usize, usize) {
-        match self {
-            Tree::Leaf { len, .. } => (0, len.div_ceil(BLOCK)),
-            Tree::Part(part) => (part.nodes.len(), part.spans.len()),
-            Tree::Node(children) => children.iter().fold((1, 0), |(n, b), (_, child)| {
-                let (more_nodes, more_blocks) = child.size();
-                (n + more_nodes, b + more_blocks)
-            }),
-        }
-    }
+/// Mesh and triangle of each reference.
+fn ids(refs: Vec<Bounds>) -> Result<Vec<(u32, u32)>> {
+    let mut ids = Vec::new();
+    reserve(&mut ids, refs.len())?;
+    ids.par_extend(refs.par_iter().map(Bounds::words));
+    Ok(ids)
 }
 
 struct Builder<'a> {
-    bins: usize,
-    total: usize,
-    done: AtomicUsize,
-    stopped: AtomicBool,
-    progress: &'a (dyn Fn(f64) -> bool + Sync),
+    meshes: &'a [Arc<Mesh>],
+    /// Half the area from which an overlap is worth a split in space.
+    least_overlap: f64,
+    progress: Progress<'a>,
 }
 
 impl Builder<'_> {
-    /// Counts finished triangles and asks whether to go on.
-    fn report(&self, finished: usize) -> Result<()> {
-        let done = self.done.fetch_add(finished, Ordering::Relaxed) + finished;
-        if self.stopped.load(Ordering::Relaxed) || !(self.progress)(done as f64 / self.total as f64) {
-            self.stopped.store(true, Ordering::Relaxed);
-            return Err(cancelled());
-        }
-        Ok(())
-    }
-
     /// Builds the node over `whole` with all threads; `refs` start at the index `base`.
-    fn grow(
-        &self,
-        refs: &mut [Bounds],
-        scratch: &mut [Bounds],
-        base: usize,
-        whole: Group,
-        depth: usize,
-    ) -> Result<Tree> {
-        if refs.len() <= SUBTREE {
+    fn grow(&self, refs: &mut [Bounds], base: usize, whole: Group, depth: usize) -> Result<Tree> {
+        if whole.len <= SUBTREE {
             let mut part = Part::default();
             self.grow_alone(refs, base, whole, depth, &mut part);
-            self.report(refs.len())?;
+            self.progress.report(whole.len)?;
             return Ok(Tree::Part(part));
         }
-        self.report(0)?;
+        self.progress.report(0)?;
         let mut children = Children::new(whole);
-        self.divide(refs, scratch, base, depth, &mut children);
-        let (mut refs, mut scratch) = (refs, scratch);
+        self.divide(refs, base, depth, &mut children);
+        let mut refs = refs;
         let mut tasks = Vec::with_capacity(WIDTH);
         for (group, is_leaf) in children.iter() {
-            let (mine, rest) = refs.split_at_mut(group.len);
-            let (my_scratch, scratch_rest) = scratch.split_at_mut(group.len.min(scratch.len()));
-            (refs, scratch) = (rest, scratch_rest);
-            tasks.push((group, is_leaf, mine, my_scratch));
+            let (mine, rest) = refs.split_at_mut(group.room);
+            refs = rest;
+            tasks.push((group, is_leaf, mine));
         }
-        let grown = tasks.into_par_iter().map(|(group, is_leaf, refs, scratch)| {
+        let grown = tasks.into_par_iter().map(|(group, is_leaf, refs)| {
             let tree = match is_leaf {
                 true => Tree::Leaf { first: group.first, len: group.len },
-                false => self.grow(refs, scratch, group.first, group, depth + 1)?,
+                false => self.grow(refs, group.first, group, depth + 1)?,
             };
-            Ok((group, tree))
+            Ok((group.bounds, tree))
         });
         Ok(Tree::Node(grown.collect::<Result<Vec<_>>>()?))
     }
@@ -238,12 +156,12 @@ impl Builder<'_> {
         let index = part.nodes.len();
         part.nodes.push(Node::EMPTY);
         let mut children = Children::new(whole);
-        self.divide(refs, &mut [], base, depth, &mut children);
+        self.divide(refs, base, depth, &mut children);
         for (slot, (group, is_leaf)) in children.iter().enumerate() {
             let child = match is_leaf {
                 true => part.leaf(group.first, group.len),
                 false => {
-                    let mine = &mut refs[group.first - base..][..group.len];
+                    let mine = &mut refs[group.first - base..][..group.room];
                     self.grow_alone(mine, group.first, group, depth + 1, part)
                 }
             };
@@ -253,35 +171,45 @@ impl Builder<'_> {
     }
 
     /// Splits groups until there are eight or all are leaves.
-    fn divide(
-        &self,
-        refs: &mut [Bounds],
-        scratch: &mut [Bounds],
-        base: usize,
-        depth: usize,
-        children: &mut Children,
-    ) {
+    fn divide(&self, refs: &mut [Bounds], base: usize, depth: usize, children: &mut Children) {
         let by_surface = depth < HEURISTIC_DEPTH;
         while let Some(index) = children.next_to_split(by_surface) {
             let group = children.groups[index];
-            let start = group.first - base;
-            let mine = &mut refs[start..][..group.len];
-            let my_scratch = if scratch.is_empty() { &mut [] } else { &mut scratch[start..][..group.len] };
-            let split = if by_surface { Split::find(mine, &group, self.bins) } else { None };
+            let mine = &mut refs[group.first - base..][..group.room];
+            let split = if by_surface { Split::find(&mine[..group.len], &group, MAX_BINS) } else { None };
+            let spatial = if by_surface { self.spatial(mine, &group, split.as_ref()) } else { None };
+            let cost = spatial.as_ref().map(|s| s.cost).or(split.as_ref().map(|s| s.cost));
             let fits = group.len <= Child::MAX_BLOCKS * BLOCK;
-            let sides = match split {
-                Some(split) if fits && VISIT * group.bounds.half_area() + split.cost >= group.leaf_cost() => {
-                    None
-                }
-                Some(split) => Some(split.apply(mine, my_scratch, group.first)),
-                None if fits => None,
-                None => Some(halve(mine, group.first)),
+            let too_dear = |cost| VISIT * group.bounds.half_area() + cost >= group.leaf_cost();
+            let sides = if fits && cost.is_none_or(too_dear) {
+                None
+            } else {
+                let in_space = spatial.and_then(|s| s.apply(self.meshes, mine, group.len, group.first));
+                let whole = &mut mine[..group.len];
+                Some(in_space.unwrap_or_else(|| match split {
+                    Some(split) => split.apply(whole, group.first),
+                    None => halve(whole, group.first),
+                }))
             };
+            let sides = sides.map(|(mut left, mut right)| {
+                share_room(mine, &mut left, &mut right);
+                (left, right)
+            });
             match sides {
                 Some((left, right)) => children.replace(index, left, right),
                 None => children.is_leaf[index] = true,
             }
         }
+    }
+
+    /// A split in space that is cheaper than `split`, where that one's sides overlap and there is room.
+    fn spatial(&self, refs: &[Bounds], group: &Group, split: Option<&Split>) -> Option<Spatial> {
+        let overlap = split.map_or(f64::INFINITY, Split::overlap);
+        if refs.len() == group.len || overlap <= self.least_overlap {
+            return None;
+        }
+        let found = Spatial::find(self.meshes, &refs[..group.len], group)?;
+        split.is_none_or(|s| found.cost < s.cost).then_some(found)
     }
 }
 
@@ -330,20 +258,4 @@ impl Children {
             self.is_leaf[i] = group.len <= BLOCK;
         }
     }
-}
-
-/// Copies the triangles into their blocks.
-fn fill_blocks(meshes: &[Arc<Mesh>], refs: &[Bounds], spans: &[(u32, u32)]) -> Result<Vec<Block>> {
-    let mut blocks = Vec::new();
-    reserve(&mut blocks, spans.len())?;
-    blocks.par_extend(spans.par_iter().map(|&(first, len)| {
-        let mut block = Block::EMPTY;
-        for (lane, r) in refs[first as usize..][..len as usize].iter().enumerate() {
-            let (mesh, triangle) = r.words();
-            let corners = meshes[mesh as usize].triangle(triangle as usize);
-            block.set(lane, corners.map(|p| p.to_array()), mesh, triangle);
-        }
-        block
-    }));
-    Ok(blocks)
 }

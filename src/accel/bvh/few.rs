@@ -93,8 +93,14 @@ impl Few {
         if blocks.len() > FEW {
             return None;
         }
+        let mut seen = Vec::new();
         for (index, block) in blocks.iter().enumerate() {
             for lane in (0..block.mesh.len()).filter(|&lane| block.mesh[lane] != u32::MAX) {
+                // A triangle that was split in space is in several leaves.
+                if seen.contains(&block.ids(lane)) {
+                    continue;
+                }
+                seen.push(block.ids(lane));
                 let corners = block.triangle_at(lane);
                 few.filters.push(Filter::new(corners, Place::new(index, lane))?);
                 few.bounds = corners.iter().fold(few.bounds, |b, p| b.grow(*p));

@@ -1,7 +1,7 @@
 //! Our own bounding volume hierarchy: eight children a node, watertight triangles, the same bits everywhere.
 //!
-//! The parts are apart so that each can be replaced by another form: `build` (with `split`, `bounds`) makes
-//! the tree, `node` and `triangle` are the two kernels over eight and four lanes, written so that the
+//! The parts are apart so that each can be replaced by another form: `build` (with `split`, `bins`, `partition`)
+//! makes the tree, `morton` the one of low quality and `spatial` the additional splits of high quality, `node` and `triangle` are the two kernels over eight and four lanes, written so that the
 //! compiler vectorises them, `ray` prepares a ray for both, and `traverse` walks.
 //!
 //! A hit is a function of the ray and of one triangle alone; boxes only leave triangles out that cannot be
@@ -12,13 +12,18 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx;
+mod bins;
 mod bounds;
 mod build;
 mod few;
 mod meeting;
+mod morton;
 mod near;
 mod node;
+mod partition;
+mod parts;
 mod ray;
+mod spatial;
 mod split;
 mod traverse;
 mod tree;

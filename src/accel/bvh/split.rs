@@ -1,18 +1,11 @@
-//! One binary split: binned surface area heuristic, and the partition that follows from it.
+//! One binary split of a group of references: find it, and carry it out.
 //!
-//! Wald 2007 ("On fast construction of SAH-based bounding volume hierarchies"): middles of boxes are sorted into
-//! equal bins along each axis, and the best of the planes between bins is taken. The cost of a side is
-//! area × blocks rather than area × triangles, since four triangles cost as much to test as one.
-//!
-//! All that is accumulated are minima and integers, so however rayon divides the work, the sums are the same
-//! bits; and which of the two partitions runs depends on the number of triangles alone.
+//! Which way is taken depends on the number of triangles alone, never on the threads.
 
+use super::bins::{Bins, Grid, MAX_BINS, Plane, blocks};
 use super::bounds::Bounds;
-use super::triangle::BLOCK;
+use super::partition::partition;
 use rayon::prelude::*;
-
-/// The most bins an axis can have.
-pub const MAX_BINS: usize = 32;
 
 /// From here on a range is binned and partitioned by all threads.
 pub const PARALLEL: usize = 1 << 17;
@@ -27,6 +20,8 @@ pub struct Group {
     pub first: usize,
     /// How many.
     pub len: usize,
+    /// For how many there is room, itself included; splits in space fill it.
+    pub room: usize,
     /// The box.
     pub bounds: Bounds,
     /// The box around the middles.
@@ -39,7 +34,7 @@ impl Group {
         let empty = (Bounds::EMPTY, Bounds::EMPTY);
         let add = |(mut bounds, mut middles): (Bounds, Bounds), r: &Bounds| {
             bounds.add(r);
-            middles.add_point(r.middle2());
+            middles.add(&Bounds::point(r.middle2()));
             (bounds, middles)
         };
         let (bounds, middles) = if refs.len() < PARALLEL {
@@ -49,7 +44,7 @@ impl Group {
                 .map(|part| part.iter().fold(empty, add))
                 .reduce(|| empty, |a, b| (a.0.union(&b.0), a.1.union(&b.1)))
         };
-        Group { first, len: refs.len(), bounds, middles }
+        Group { first, len: refs.len(), room: refs.len(), bounds, middles }
     }
 
     /// Cost of testing this many triangles against a ray that enters the box, in block tests.
@@ -58,83 +53,15 @@ impl Group {
     }
 }
 
-fn blocks(triangles: usize) -> f64 {
-    triangles.div_ceil(BLOCK) as f64
-}
-
-/// How middles map to bins.
-#[derive(Clone, Copy)]
-struct Grid {
-    origin: [f32; 4],
-    scale: [f32; 4],
-    bins: usize,
-}
-
-impl Grid {
-    /// `None` along axes without extent, or with one too small to be inverted.
-    fn new(middles: &Bounds, bins: usize) -> Option<Grid> {
-        let extent = middles.extent();
-        let mut scale = [0.0; 4];
-        for k in 0..3 {
-            let s = bins as f32 / extent[k];
-            scale[k] = if extent[k] > 0.0 && s.is_finite() { s } else { 0.0 };
-        }
-        let [x, y, z] = middles.lo();
-        (scale != [0.0; 4]).then_some(Grid { origin: [x, y, z, 0.0], scale, bins })
-    }
-
-    #[inline(always)]
-    fn bin(&self, middle: [f32; 4]) -> [u32; 4] {
-        let mut bin = [0; 4];
-        for k in 0..4 {
-            // In range but for the upper end, which rounds to `bins` itself; 32-bit signed, as SSE2 converts.
-            let b = ((middle[k] - self.origin[k]) * self.scale[k]) as i32;
-            bin[k] = b.clamp(0, self.bins as i32 - 1) as u32;
-        }
-        bin
-    }
-}
-
-struct Bins {
-    bounds: [[Bounds; MAX_BINS]; 3],
-    counts: [[u32; MAX_BINS]; 3],
-}
-
-impl Bins {
-    fn fill(grid: &Grid, refs: &[Bounds]) -> Bins {
-        let mut bins = Bins { bounds: [[Bounds::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
-        for r in refs {
-            let bin = grid.bin(r.middle2());
-            for (axis, b) in bin.into_iter().take(3).enumerate() {
-                let b = b as usize % MAX_BINS;
-                bins.bounds[axis][b].add(r);
-                bins.counts[axis][b] += 1;
-            }
-        }
-        bins
-    }
-
-    fn merge(mut self, other: Bins) -> Bins {
-        for axis in 0..3 {
-            for b in 0..MAX_BINS {
-                self.bounds[axis][b].add(&other.bounds[axis][b]);
-                self.counts[axis][b] += other.counts[axis][b];
-            }
-        }
-        self
-    }
-}
-
-/// A plane between bins.
+/// A plane between bins, and what is on its sides.
 pub struct Split {
-    grid: Grid,
-    axis: usize,
-    /// The first bin on the right.
-    bin: u32,
+    plane: Plane,
     /// Σ area × blocks over both sides.
     pub cost: f64,
     left: Bounds,
     right: Bounds,
+    /// How many are on the left.
+    mid: usize,
 }
 
 impl Split {
@@ -148,116 +75,35 @@ impl Split {
         } else {
             refs.par_chunks(CHUNK).map(|part| Bins::fill(&grid, part)).reduce_with(Bins::merge)?
         };
-        let mut best: Option<Split> = None;
-        for axis in (0..3).filter(|&axis| grid.scale[axis] > 0.0) {
-            let (bounds, counts) = (&bins.bounds[axis], &bins.counts[axis]);
-            let mut right_side = [(Bounds::EMPTY, 0usize); MAX_BINS];
-            let (mut right, mut n) = (Bounds::EMPTY, 0);
-            for b in (1..count).rev() {
-                right.add(&bounds[b]);
-                n += counts[b] as usize;
-                right_side[b] = (right, n);
-            }
-            let (mut left, mut n) = (Bounds::EMPTY, 0);
-            for b in 1..count {
-                left.add(&bounds[b - 1]);
-                n += counts[b - 1] as usize;
-                let (right, m) = right_side[b];
-                if n == 0 || m == 0 {
-                    continue;
-                }
-                let cost = left.half_area() * blocks(n) + right.half_area() * blocks(m);
-                if best.as_ref().is_none_or(|s| cost < s.cost) {
-                    best = Some(Split { grid, axis, bin: b as u32, cost, left, right });
-                }
-            }
-        }
-        best
+        let best = bins.best(&grid)?;
+        let (left, right, mid) = bins.sides(&best);
+        Some(Split { plane: grid.plane(best.axis, best.bin), cost: best.cost, left, right, mid })
     }
 
-    #[inline(always)]
-    fn is_left(&self, middle: [f32; 4]) -> bool {
-        self.grid.bin(middle)[self.axis] < self.bin
+    /// Moves the left side's references to the front.
+    pub fn apply(&self, refs: &mut [Bounds], first: usize) -> (Group, Group) {
+        let mid = self.mid;
+        let (left, right) = partition(self.plane, refs, mid);
+        let group = |first, len, bounds, middles| Group { first, len, room: len, bounds, middles };
+        (group(first, mid, self.left, left), group(first + mid, refs.len() - mid, self.right, right))
     }
 
-    /// Moves the left side's references to the front. `scratch` is as long as `refs` where `refs` is long
-    /// enough for all threads.
-    pub fn apply(&self, refs: &mut [Bounds], scratch: &mut [Bounds], first: usize) -> (Group, Group) {
-        let (mid, left, right) = if refs.len() < PARALLEL || scratch.len() != refs.len() {
-            self.partition(refs)
-        } else {
-            self.partition_parallel(refs, scratch)
-        };
-        (
-            Group { first, len: mid, bounds: self.left, middles: left },
-            Group { first: first + mid, len: refs.len() - mid, bounds: self.right, middles: right },
-        )
+    /// Half the area that both sides have in common.
+    pub fn overlap(&self) -> f64 {
+        let both = self.left.within(&self.right);
+        if both.is_empty() { 0.0 } else { both.half_area() }
     }
+}
 
-    /// Hoare's, in place. Returns the length of the left side and both sides' middles.
-    fn partition(&self, refs: &mut [Bounds]) -> (usize, Bounds, Bounds) {
-        let (mut left, mut right) = (Bounds::EMPTY, Bounds::EMPTY);
-        let (mut i, mut j) = (0, refs.len());
-        while i < j {
-            let middle = refs[i].middle2();
-            if self.is_left(middle) {
-                left.add_point(middle);
-                i += 1;
-            } else {
-                right.add_point(middle);
-                j -= 1;
-                refs.swap(i, j);
-            }
-        }
-        (i, left, right)
-    }
-
-    /// Stable, through `scratch`, in chunks that write to places counted beforehand.
-    fn partition_parallel(&self, refs: &mut [Bounds], scratch: &mut [Bounds]) -> (usize, Bounds, Bounds) {
-        let parts: Vec<(usize, Bounds, Bounds)> = refs
-            .par_chunks(CHUNK)
-            .map(|part| {
-                let (mut n, mut left, mut right) = (0, Bounds::EMPTY, Bounds::EMPTY);
-                for middle in part.iter().map(Bounds::middle2) {
-                    if self.is_left(middle) {
-                        n += 1;
-                        left.add_point(middle);
-                    } else {
-                        right.add_point(middle);
-                    }
-                }
-                (n, left, right)
-            })
-            .collect();
-        let mid = parts.iter().map(|p| p.0).sum();
-        let (mut lefts, mut rights) = scratch.split_at_mut(mid);
-        let mut places = Vec::with_capacity(parts.len());
-        for (part, (n, _, _)) in refs.chunks(CHUNK).zip(&parts) {
-            let (left, rest) = std::mem::take(&mut lefts).split_at_mut(*n);
-            lefts = rest;
-            let (right, rest) = std::mem::take(&mut rights).split_at_mut(part.len() - n);
-            rights = rest;
-            places.push((part, left, right));
-        }
-        places.into_par_iter().for_each(|(part, left, right)| {
-            let (mut i, mut j) = (0, 0);
-            for r in part {
-                if self.is_left(r.middle2()) {
-                    left[i] = *r;
-                    i += 1;
-                } else {
-                    right[j] = *r;
-                    j += 1;
-                }
-            }
-        });
-        refs.par_chunks_mut(CHUNK)
-            .zip(scratch.par_chunks(CHUNK))
-            .for_each(|(to, from)| to.copy_from_slice(from));
-        let sides =
-            parts.iter().fold((Bounds::EMPTY, Bounds::EMPTY), |(l, r), p| (l.union(&p.1), r.union(&p.2)));
-        (mid, sides.0, sides.1)
-    }
+/// Gives each of two adjoining groups, which begin `refs`, its share of the room behind them.
+pub fn share_room(refs: &mut [Bounds], left: &mut Group, right: &mut Group) {
+    let spare = refs.len() - left.len - right.len;
+    let mine = (spare as u64 * left.len as u64 / (left.len + right.len) as u64) as usize;
+    let moved = mine.min(right.len);
+    refs.copy_within(left.len..left.len + moved, left.len + mine + right.len - moved);
+    left.room = left.len + mine;
+    right.first += mine;
+    right.room = right.len + spare - mine;
 }
 
 /// Halves a group in the order it happens to have: for coinciding middles, which no plane separates.

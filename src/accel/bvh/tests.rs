@@ -8,7 +8,7 @@ use super::split::PARALLEL;
 use super::traverse::{MAX_DEPTH, Stacks, each};
 use super::tree::{Found, Place, Tree, rank};
 use super::{build, build::Built};
-use crate::accel::{BuildOptions, LANES, Mask, Rays};
+use crate::accel::{BuildOptions, LANES, Mask, Quality, Rays};
 use crate::math::Vec3;
 use crate::math::isa::{self, Isa, Kernel, Set};
 use crate::shape::Mesh;
@@ -46,7 +46,28 @@ fn soup(n: u32, size: f32, map: impl Fn([f32; 3]) -> [f32; 3]) -> Mesh {
 }
 
 fn built(mesh: Mesh) -> Built {
-    build::build(&[Arc::new(mesh)], &BuildOptions::default()).expect("builds")
+    built_as(&Arc::new(mesh), Quality::Medium)
+}
+
+fn built_as(mesh: &Arc<Mesh>, quality: Quality) -> Built {
+    let options = BuildOptions { quality, ..BuildOptions::default() };
+    build::build(std::slice::from_ref(mesh), &options).expect("builds")
+}
+
+const QUALITIES: [Quality; 3] = [Quality::Low, Quality::Medium, Quality::High];
+
+/// Thin triangles across the axes: their boxes overlap, so space is split.
+fn needles(n: u32) -> Mesh {
+    let mut random = random(n as u64);
+    let mut positions = Vec::new();
+    for _ in 0..n {
+        let (at, along) = (random.cube(), random.cube());
+        for s in [0.0, 1.0, 0.5] {
+            let off = random.cube();
+            positions.push([0, 1, 2].map(|k| at[k] + along[k] * s + off[k] * 0.003));
+        }
+    }
+    Mesh::new(positions, (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
 }
 
 /// Depth of the tree, having checked that every triangle is in exactly one leaf, inside all boxes above.
@@ -239,25 +260,144 @@ fn nothing_to_prepare() {
 
 #[test]
 fn the_same_tree_on_any_number_of_threads() {
-    let meshes = [Arc::new(soup(PARALLEL as u32 + 1000, 0.01, |p| p))];
-    let on = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| build::build(&meshes, &BuildOptions::default())).expect("builds")
-    };
-    let one = on(1);
-    check(&one);
-    for threads in [2, 5] {
-        let other = on(threads);
-        let text = |b: &Built| (format!("{:?}", b.nodes), format!("{:?}", b.blocks));
-        assert!(text(&one) == text(&other), "{threads} threads");
+    let n = PARALLEL as u32 + 1000;
+    // Medium sorts whole boxes, so the needles are for the one that does not; few of them share a code.
+    let cases = [
+        (Quality::Medium, soup(n, 0.01, |p| p)),
+        (Quality::Low, soup(n, 0.01, |p| p.map(|x| x * x * x * x * x * x * x))),
+        (Quality::High, needles(n)),
+    ];
+    for (quality, mesh) in cases {
+        let mesh = Arc::new(mesh);
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            pool.install(|| built_as(&mesh, quality))
+        };
+        let one = on(1);
+        for threads in [2, 5] {
+            let other = on(threads);
+            let text = |b: &Built| (format!("{:?}", b.nodes), format!("{:?}", b.blocks));
+            assert!(text(&one) == text(&other), "{quality:?} on {threads} threads");
+        }
+    }
+}
+
+/// Checks that every point of every triangle is in a leaf that holds the triangle and in all boxes above, with
+/// the margin that the triangle's own coordinates ask for. Returns the depth and the number of references.
+fn check_covered(mesh: &Mesh, tree: &Built) -> (usize, usize) {
+    type Boxes = std::collections::BTreeMap<u32, Vec<([f32; 3], [f32; 3])>>;
+    fn visit(tree: &Built, child: Child, lo: [f32; 3], hi: [f32; 3], boxes: &mut Boxes) -> usize {
+        if child.is_leaf() {
+            for block in &tree.blocks[child.blocks()] {
+                for lane in (0..4).filter(|&lane| block.mesh[lane] != u32::MAX) {
+                    boxes.entry(block.triangle[lane]).or_default().push((lo, hi));
+                }
+            }
+            return 0;
+        }
+        let node = &tree.nodes[child.index()];
+        let mut depth = 0;
+        for slot in (0..8).filter(|&slot| node.children[slot] != Child::NONE) {
+            let lo = [0, 1, 2].map(|k| lo[k].max(node.planes[k][0][slot]));
+            let hi = [0, 1, 2].map(|k| hi[k].min(node.planes[k][1][slot]));
+            depth = depth.max(visit(tree, node.children[slot], lo, hi, boxes));
+        }
+        1 + depth
+    }
+    let mut boxes = Boxes::new();
+    let (lo, hi) = ([f32::NEG_INFINITY; 3], [f32::INFINITY; 3]);
+    let depth = visit(tree, Child::node(0), lo, hi, &mut boxes);
+    assert!(depth <= MAX_DEPTH);
+    let mut random = random(3);
+    for (triangle, _) in mesh.indices.iter().enumerate() {
+        let corners = mesh.triangle(triangle).map(|p| p.as_dvec3());
+        if !crate::accel::brute::has_area(mesh.triangle(triangle)) {
+            continue;
+        }
+        let mine = &boxes[&(triangle as u32)];
+        let largest = corners.iter().fold(0.0, |l: f64, p| l.max(p.abs().max_element()));
+        // 14 of the 16 units of rounding that a margin has are needed.
+        let need = largest * 14.0 / (1 << 24) as f64;
+        for i in 0..12 {
+            let (u, v) = (random.unit() as f64, random.unit() as f64);
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            let p = match i {
+                0..3 => corners[i],
+                _ => corners[0] + (corners[1] - corners[0]) * u + (corners[2] - corners[0]) * v,
+            };
+            let holds = |(lo, hi): &([f32; 3], [f32; 3])| {
+                (0..3).all(|k| lo[k] as f64 + need <= p[k] && p[k] <= hi[k] as f64 - need)
+            };
+            assert!(mine.iter().any(holds), "a point of triangle {triangle} is in no box");
+        }
+    }
+    (depth, boxes.values().map(Vec::len).sum())
+}
+
+#[test]
+fn boxes_cover_their_triangles_in_every_quality() {
+    let place = |scale: f32, offset: f32| move |p: [f32; 3]| p.map(|x| x * scale + offset);
+    let meshes = [
+        soup(3000, 0.3, |p| p),
+        needles(3000),
+        soup(1000, 0.3, place(1e-3, 1e3)),
+        soup(1000, 0.3, place(4e17, 0.0)),
+        soup(1000, 0.3, |p| p.map(|x| (x * 4.0).round())),
+        soup(1000, 0.3, |[x, y, z]| [x, y, z * 1e-6]),
+    ];
+    for (i, mesh) in meshes.into_iter().enumerate() {
+        let mesh = Arc::new(mesh);
+        let sound = mesh.indices.iter().enumerate();
+        let sound = sound.filter(|(t, _)| crate::accel::brute::has_area(mesh.triangle(*t))).count();
+        for quality in QUALITIES {
+            let (_, references) = check_covered(&mesh, &built_as(&mesh, quality));
+            let most = if quality == Quality::High { 2 * sound } else { sound };
+            assert!((sound..=most).contains(&references), "mesh {i}, {quality:?}: {references}");
+            if i == 1 && quality == Quality::High {
+                assert!(references > sound, "nothing was split in space");
+            }
+        }
     }
 }
 
 #[test]
+fn splits_in_space_never_change_an_answer() {
+    let mesh = Arc::new(needles(2000));
+    let trees = QUALITIES.map(|quality| built_as(&mesh, quality));
+    let mut random = random(9);
+    let mut hits = 0;
+    for n in 0..1250 {
+        let mut rays = Rays::default();
+        for i in 0..LANES {
+            let (o, mut target) = (Vec3::from(random.cube()) * 3.0, Vec3::from(random.cube()));
+            if i % 2 == 0 {
+                // At a triangle, so that most are hit.
+                target = mesh.triangle((n * LANES + i) / 2 % 2000).iter().sum::<Vec3>() / 3.0;
+            }
+            rays.set(i, o, target - o, 0.0, f32::INFINITY);
+        }
+        let prepared = Prepared::new(&rays, Mask::MAX);
+        let [low, medium, high] = [&trees[0], &trees[1], &trees[2]].map(|tree| {
+            let tree = Tree { nodes: &tree.nodes, blocks: &tree.blocks, in_turns: true };
+            let ask = Ask { tree, few: None, rays: &rays, prepared: &prepared };
+            let (found, any) = isa::run(Isa::Avx512, ask);
+            assert_eq!(found.hit, any);
+            let meetings = Meetings::of(&tree, &found.place, &prepared);
+            let answer = |i: usize| (meetings.t[i].to_bits(), tree.ids(found.place[i]));
+            [0; LANES].map({
+                let mut lane = 0..LANES;
+                move |_| lane.next().filter(|i| found.hit >> i & 1 == 1).map(answer)
+            })
+        });
+        assert!(low == medium && medium == high, "chunk {n}: {low:?} {medium:?} {high:?}");
+        hits += low.iter().flatten().count();
+    }
+    assert!(hits > 10_000, "{hits} hits show little");
+}
+
+#[test]
 fn ordinary_and_degenerate_trees_are_shallow() {
-    assert!(check(&built(soup(50_000, 0.01, |p| p))) <= 9);
-    let same = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]; 300_000]);
-    assert!(check(&built(same)) <= 9);
+    let same = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]; 30_000]);
     // Each triangle twice as large as all before it: the heuristic peels them off one by one.
     let mut positions = Vec::new();
     for i in 0..4000u32 {
@@ -265,5 +405,13 @@ fn ordinary_and_degenerate_trees_are_shallow() {
         positions.extend([[s, 0.0, 0.0], [0.0, s, 0.0], [s, s, s]]);
     }
     let n = positions.len() as u32 / 3;
-    check(&built(Mesh::new(positions, (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())));
+    let growing = Mesh::new(positions, (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
+    let cases = [(soup(50_000, 0.01, |p| p), 9), (same, 9), (growing, MAX_DEPTH)];
+    for (mesh, most) in cases {
+        let mesh = Arc::new(mesh);
+        for quality in QUALITIES {
+            let (depth, _) = check_covered(&mesh, &built_as(&mesh, quality));
+            assert!(depth <= most, "{quality:?}: {depth} levels");
+        }
+    }
 }

@@ -59,14 +59,15 @@ pub(super) fn around(triangles: &impl Triangles, ray: &Ray64, corners: &[DVec3; 
     let radius = along + across + 2.0 * f64::from(f32::EPSILON) * point.abs().max_element();
     let mut found = Vec::new();
     triangles.around(point.as_vec3(), radius as f32, &mut |ids, corners| {
-        // Which others share a leaf is the tree's affair; the answer is not.
+        // Which others share a leaf, and of which parts of a triangle the tree keeps boxes, is the tree's affair;
+        // the answer is not.
         let corners = corners.map(|p| p.as_dvec3());
-        let [a, b, c] = corners.map(|p| p - point);
-        let near = a.min(b).min(c).max_element() <= radius && a.max(b).max(c).min_element() >= -radius;
-        if near {
+        if meets_cube(corners.map(|p| p - point), radius) {
             found.push(Candidate { ids, corners });
         }
     });
+    found.sort_unstable_by_key(|c: &Candidate| c.ids);
+    found.dedup_by_key(|c| c.ids);
     Around { point, radius, triangles: found }
 }
 
@@ -121,4 +122,18 @@ pub(super) fn hiding(ray: &Ray64, aimed: &Aimed, found: &Candidate, around: &Aro
     let nearest =
         around.triangles.iter().filter(|other| other.ids != found.ids).filter_map(met).min_by(order)?;
     Some(nearest.1)
+}
+
+/// Whether a triangle reaches into the cube of that half side around the origin: it does when none of the axes that
+/// can part the two does (the cube's, the triangle's normal, and the products of their edges).
+fn meets_cube([a, b, c]: [DVec3; 3], half: f64) -> bool {
+    let parts = |axis: DVec3| {
+        let (x, y, z) = (axis.dot(a), axis.dot(b), axis.dot(c));
+        let reach = half * axis.abs().element_sum();
+        x.min(y).min(z) > reach || x.max(y).max(z) < -reach
+    };
+    let edges = [b - a, c - b, a - c];
+    let sides = [DVec3::X, DVec3::Y, DVec3::Z];
+    let products = || sides.iter().any(|s| edges.iter().any(|e| parts(s.cross(*e))));
+    !(sides.into_iter().any(parts) || parts(edges[0].cross(edges[1])) || products())
 }
