@@ -42,20 +42,21 @@ fn from_behind(mesh: &Mesh, outwards: f64, backend: &dyn Intersector, rays: &[Ra
 }
 
 /// Rays from `eye` at the silhouette's edges, at its corners, and at random.
-fn at_the_silhouette(mesh: &Mesh, outwards: f64, eye: Vec3, random: &mut Random, rays: &mut [Vec<Ray>; 3]) {
+fn at_the_silhouette(mesh: &Mesh, outwards: f64, eye: Vec3, random: &mut Random) -> [Vec<Ray>; 3] {
+    let mut rays = [vec![], vec![], vec![]];
     for [a, b] in silhouette(mesh, outwards, eye) {
         rays[0].extend((0..40).map(|_| towards(eye, a.lerp(b, 0.05 + 0.9 * random.unit()))));
         rays[1].push(towards(eye, a));
     }
     let (center, size) = (mesh.bounds().center(), mesh.bounds().extent().max_element());
     rays[2].extend((0..10_000).map(|_| towards(eye, center + random.ball() * size)));
+    rays
 }
 
 /// How many of the rays of each kind may meet the wrong side. The hierarchy is left with corners at which it sees
 /// triangles edge-on. Embree loses rays through corners, around which it sees them pass outside of every
 /// triangle, and through triangles seen edge-on; nothing near the hit behind tells.
-fn forgiven(backend: Backend, rays: &[Vec<Ray>; 3]) -> [usize; 3] {
-    let [edges, corners, _] = rays.each_ref().map(Vec::len);
+fn forgiven(backend: Backend, [edges, corners, _]: [usize; 3]) -> [usize; 3] {
     if backend == Backend::Bvh {
         [edges / 1_000_000, corners / 2000, 0]
     } else {
@@ -63,15 +64,39 @@ fn forgiven(backend: Backend, rays: &[Vec<Ray>; 3]) -> [usize; 3] {
     }
 }
 
-fn meet_the_right_side(what: &str, mesh: &Mesh, side: f64, rays: &[Vec<Ray>; 3]) {
-    assert!(rays[0].len() > 20_000, "{what}: {} rays", rays[0].len());
-    for backend in Backend::ALL {
-        let built = build(*backend, &one(mesh.clone()));
-        let wrong = rays.each_ref().map(|rays| from_behind(mesh, side, &*built, rays));
-        let (forgiven, of) = (forgiven(*backend, rays), rays.each_ref().map(Vec::len));
-        let fine = (0..3).all(|k| wrong[k] <= forgiven[k]);
-        assert!(fine, "{what}: {} meets the wrong side with {wrong:?} of {of:?} rays", backend.name());
+/// What became of the rays of each kind.
+#[derive(Default)]
+struct Count {
+    all: [usize; 3],
+    wrong: [usize; 3],
+    missed: [usize; 3],
+}
+
+/// Shoots at the silhouette from every eye that `eye` gives, and counts the rays that meet the wrong side, `side` being
+/// the right one's sign. One eye at a time: their rays together would fill the memory.
+fn shoot(what: &str, mesh: &Mesh, side: f64, mut eye: impl FnMut(usize, &mut Random) -> Vec3) -> Vec<Count> {
+    let built: Vec<_> = Backend::ALL.iter().map(|b| build(*b, &one(mesh.clone()))).collect();
+    let mut counts: Vec<Count> = built.iter().map(|_| Count::default()).collect();
+    let mut random = Random(11);
+    let outwards = outwards(mesh);
+    for i in 0..12 * effort() {
+        let eye = eye(i, &mut random);
+        let rays = at_the_silhouette(mesh, outwards, eye, &mut random);
+        for (built, count) in built.iter().zip(&mut counts) {
+            for (k, rays) in rays.iter().enumerate() {
+                count.all[k] += rays.len();
+                count.wrong[k] += from_behind(mesh, side, &**built, rays);
+                count.missed[k] += missed(&trace(&**built, &chunks(rays)), rays.len());
+            }
+        }
     }
+    for (backend, Count { all, wrong, .. }) in Backend::ALL.iter().zip(&counts) {
+        assert!(all[0] > 20_000, "{what}: {} rays", all[0]);
+        let forgiven = forgiven(*backend, *all);
+        let fine = (0..3).all(|k| wrong[k] <= forgiven[k]);
+        assert!(fine, "{what}: {} meets the wrong side with {wrong:?} of {all:?} rays", backend.name());
+    }
+    counts
 }
 
 /// Rays from outside a closed body, aimed at the edges where it turns away, do not meet its inside: a path would go
@@ -86,15 +111,11 @@ fn rays_from_outside_meet_the_outside() {
         ("flat sphere", mapped(&uv_sphere(80), |p| p * Vec3::new(1.0, 0.01, 1.0))),
     ];
     for (what, mesh) in bodies {
-        let (outwards, bounds) = (outwards(&mesh), mesh.bounds());
-        let mut random = Random(11);
-        let mut rays = [vec![], vec![], vec![]];
-        for _ in 0..12 * effort() {
+        let bounds = mesh.bounds();
+        shoot(what, &mesh, outwards(&mesh), |_, random| {
             let distance = bounds.extent().max_element() * (1.5 + random.unit());
-            let eye = bounds.center() + random.cube().normalize_or(Vec3::X) * distance;
-            at_the_silhouette(&mesh, outwards, eye, &mut random, &mut rays);
-        }
-        meet_the_right_side(what, &mesh, outwards, &rays);
+            bounds.center() + random.cube().normalize_or(Vec3::X) * distance
+        });
     }
 }
 
@@ -102,18 +123,14 @@ fn rays_from_outside_meet_the_outside() {
 #[test]
 fn rays_from_inside_meet_the_inside() {
     for (what, mesh) in [("torus", torus(60)), ("rough torus", rough(&torus(200), 0.003))] {
-        let outwards = outwards(&mesh);
-        let mut random = Random(12);
-        let mut rays = [vec![], vec![], vec![]];
-        for i in 0..12 * effort() {
-            let eye = Vec3::new((i as f32).cos(), 0.0, (i as f32).sin()) + random.ball() * 0.2;
-            at_the_silhouette(&mesh, outwards, eye, &mut random, &mut rays);
-        }
-        meet_the_right_side(what, &mesh, -outwards, &rays);
-        for backend in Backend::ALL {
-            let built = build(*backend, &one(mesh.clone()));
-            let lost = |rays: &[Ray]| missed(&trace(&*built, &chunks(rays)), rays.len());
-            assert_eq!([lost(&rays[0]), lost(&rays[2])], [0, 0], "{what}: {} leaks", backend.name());
+        let counts = shoot(what, &mesh, -outwards(&mesh), |i, random| {
+            Vec3::new((i as f32).cos(), 0.0, (i as f32).sin()) + random.ball() * 0.2
+        });
+        for (backend, Count { all, missed, .. }) in Backend::ALL.iter().zip(counts) {
+            // Embree itself lets three in a million rays through that are aimed at edges; none at random.
+            let forgiven = if *backend == Backend::Bvh { 0 } else { all[0] / 200_000 };
+            let fine = missed[0] <= forgiven && missed[2] == 0;
+            assert!(fine, "{what}: {} leaks {missed:?} of {all:?} rays", backend.name());
         }
     }
 }
