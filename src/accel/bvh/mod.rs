@@ -56,9 +56,10 @@ pub struct Bvh {
     isa: Isa,
 }
 
-/// Up to this many bytes a structure stays in a core's own cache, and a ray loses nothing by waiting for it; larger
-/// ones are traversed in turns ([`traverse`]).
-const NEAR_BY: usize = 1 << 20;
+/// Up to this many bytes a structure stays in the caches, and a ray loses little by waiting for it; larger ones are
+/// traversed in turns ([`traverse`]). Measured with a third-level cache of 32 MiB: structures of 6 and 19 MB are traced
+/// 8 % and 13 % faster ray by ray, one of 53 MB a third slower.
+const NEAR_BY: usize = 24 << 20;
 
 impl Bvh {
     /// Builds the hierarchy. Triangles of zero area are left out. Fails when memory runs out, when there are
