@@ -79,7 +79,8 @@ fn shoot(what: &str, mesh: &Mesh, side: f64, mut eye: impl FnMut(usize, &mut Ran
     let mut counts: Vec<Count> = built.iter().map(|_| Count::default()).collect();
     let mut random = Random(11);
     let outwards = outwards(mesh);
-    for i in 0..12 * effort() {
+    // Some twenty million rays a body are enough.
+    for i in 0..12 * effort().min(8) {
         let eye = eye(i, &mut random);
         let rays = at_the_silhouette(mesh, outwards, eye, &mut random);
         for (built, count) in built.iter().zip(&mut counts) {

@@ -58,7 +58,7 @@ pub struct Bvh {
 
 /// Up to this many bytes a structure stays in the caches, and a ray loses little by waiting for it; larger ones are
 /// traversed in turns ([`traverse`]). Measured with a third-level cache of 32 MiB: structures of 6 and 19 MB are traced
-/// 8 % and 13 % faster ray by ray, one of 53 MB a third slower.
+/// 8 % and 13 % faster ray by ray, one of 53 MB 13 % (camera rays) to 42 % (second bounces) slower.
 const NEAR_BY: usize = 24 << 20;
 
 impl Bvh {
