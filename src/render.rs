@@ -1,13 +1,13 @@
 //! The render loop: tiles × blocks of samples in parallel, pass by pass, with progress and cancellation.
 
-use crate::accel::{Backend, BuildOptions, Intersector};
+use crate::accel::{BuildOptions, Intersector};
 use crate::error::{Error, Result};
 use crate::film::{Develop, Film, Image, PixelRule, Tile};
 pub use crate::integrator::RenderStats;
 use crate::integrator::wave::{Job, Wave};
 use crate::integrator::{Ao, Context, Distribution, Integrator, Normals, Path};
 use crate::math::isa::{self, Isa, Kernel};
-use crate::scene::{Compact, IntegratorKind, Quantity, Scene, Settings};
+use crate::scene::{IntegratorKind, Quantity, Scene, Settings};
 use rayon::prelude::*;
 use serde_json::json;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -62,26 +62,12 @@ pub fn build(
     };
     let options = BuildOptions {
         quality: settings.build.resolve(scene.triangles(), samples),
-        compact: settings.compact.resolve(|| is_memory_short(settings.backend, scene.triangles())),
+        compact: settings.compact.resolve(|| settings.backend.is_memory_short(scene.triangles())),
         isa,
         threads: rayon::current_num_threads(),
         progress: &progress,
     };
     settings.backend.build(&scene.meshes, &options)
-}
-
-/// Whether a structure of the backend's usual layout would not fit into the memory that is free.
-fn is_memory_short(backend: Backend, triangles: u64) -> bool {
-    match backend {
-        #[cfg(feature = "embree")]
-        Backend::Embree => {
-            crate::accel::embree::memory::is_short(triangles, crate::accel::embree::memory::available())
-        }
-        Backend::Bvh => {
-            let _one_layout = triangles;
-            false
-        }
-    }
 }
 
 /// The samples of block `k`: the first sample alone, so that a whole picture exists soon; the other 15 of
@@ -255,7 +241,7 @@ fn settings_json(s: &Settings, accel: &dyn Intersector, scene: &Scene, samples: 
             "backend": s.backend.name(),
             "isa": accel.isa(),
             "build": s.build.resolve(scene.triangles(), samples_of_image).name(),
-            "compact": s.compact == Compact::Yes || accel.compact(),
+            "compact": accel.compact(),
         },
         "samples_done": { "min": samples.0, "max": samples.1 },
         "complete": samples.0 == s.spp,

@@ -52,6 +52,15 @@ pub const LANES: usize = 16;
 /// One bit a lane of a chunk, lane 0 the lowest.
 pub type Mask = u16;
 
+/// Calls `visit` for each of `lanes`, the lowest first.
+#[inline(always)]
+pub(crate) fn for_lanes(mut lanes: Mask, mut visit: impl FnMut(usize)) {
+    while lanes != 0 {
+        visit(lanes.trailing_zeros() as usize % LANES);
+        lanes &= lanes - 1;
+    }
+}
+
 /// In [`Hits::mesh`]: nothing was hit.
 pub const MISS: u32 = u32::MAX;
 
@@ -337,6 +346,16 @@ impl Backend {
         }
         let known: Vec<&str> = Self::ALL.iter().map(|b| b.name()).collect();
         Err(Error::usage(format!("unknown backend \"{name}\"")).advise(unknown_word_advice(name, &known)))
+    }
+
+    /// Whether the usual layout over so many triangles would not fit into the memory that is free. The BVH has no
+    /// smaller one.
+    pub fn is_memory_short(self, #[cfg_attr(not(feature = "embree"), allow(unused))] triangles: u64) -> bool {
+        match self {
+            #[cfg(feature = "embree")]
+            Backend::Embree => embree::memory::is_short(triangles, embree::memory::available()),
+            Backend::Bvh => false,
+        }
     }
 
     /// Builds the structure over `meshes`; a hit names a mesh by its index here.

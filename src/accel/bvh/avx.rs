@@ -8,9 +8,6 @@ use super::triangle::{BLOCK, Block, Met};
 use std::arch::x86_64::*;
 
 /// As [`Node::enter`].
-///
-/// # Safety
-/// The machine must have AVX2.
 #[inline]
 #[target_feature(enable = "avx2")]
 pub fn enter(node: &Node, rays: &Prepared, i: usize, tmax: f32) -> ([f32; WIDTH], u32) {

@@ -3,8 +3,8 @@
 //! The parts are apart so that each can be replaced by another form. `build` (with `split`, `bins`, `partition`) makes
 //! the tree, `morton` the one of low quality, and `spatial` the additional splits of high quality; `tree` is what they
 //! make. `ray` prepares a chunk of rays. `node` and `triangle` are the two kernels over eight and four lanes in their
-//! plain form, `avx` the same operations as intrinsics. `traverse` walks, the rays of a chunk in turns where the
-//! structure is larger than a core's cache; `few` does without the tree where there are only some tens of triangles;
+//! plain form, `avx` the same operations as intrinsics, `kernel` the choice. `traverse` walks, the rays of a chunk in turns where the
+//! structure is larger than a core's cache; `few` does without the tree where there are only some tens of triangles (`filter`);
 //! and `meeting` says of one triangle a lane where it is met.
 //!
 //! A hit is a function of the ray and of one triangle alone; boxes only leave triangles out that cannot be
@@ -19,6 +19,8 @@ mod bins;
 mod bounds;
 mod build;
 mod few;
+mod filter;
+mod kernel;
 mod meeting;
 mod morton;
 mod near;
@@ -47,7 +49,7 @@ use ray::Prepared;
 use std::cell::RefCell;
 use std::sync::Arc;
 use traverse::Stacks;
-use tree::{Found, Place, Tree};
+use tree::{Place, Tree};
 
 /// A built hierarchy. It keeps its own copy of the triangles and none of the meshes.
 pub struct Bvh {
@@ -122,12 +124,15 @@ impl Kernel for Closest<'_> {
     fn run<S: Set>(self) -> [Place; LANES] {
         let Closest { tree, few, rays, hits } = self;
         let prepared = Prepared::new(rays.rays(), if tree.blocks.is_empty() { 0 } else { rays.active() });
-        let found = match few {
-            _ if prepared.live == 0 => Found::default(),
-            Some(few) => few.closest::<S>(&tree, rays.rays(), &prepared),
-            None => STACKS.with_borrow_mut(|stacks| tree.closest::<S>(&prepared, stacks)),
+        let (found, meetings) = match few {
+            Some(few) if prepared.live != 0 => few.closest::<S>(&tree, rays.rays(), &prepared),
+            _ => {
+                let closest = |stacks: &mut Box<Stacks>| tree.closest::<S>(&prepared, stacks);
+                let found = STACKS.with_borrow_mut(closest);
+                let meetings = Meetings::of(&tree, &found.place, &prepared);
+                (found, meetings)
+            }
         };
-        let meetings = Meetings::of(&tree, &found.place, &prepared);
         for i in 0..LANES {
             let hit = found.hit >> i & 1 == 1;
             let [mesh, triangle] = if hit { tree.ids(found.place[i]) } else { [MISS; 2] };

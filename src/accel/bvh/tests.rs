@@ -5,10 +5,10 @@ use super::meeting::Meetings;
 use super::node::Child;
 use super::ray::Prepared;
 use super::split::PARALLEL;
-use super::traverse::{MAX_DEPTH, Stacks, each};
+use super::traverse::{MAX_DEPTH, Stacks};
 use super::tree::{Found, Place, Tree, rank};
 use super::{build, build::Built};
-use crate::accel::{BuildOptions, LANES, Mask, Quality, Rays};
+use crate::accel::{BuildOptions, LANES, Mask, Quality, Rays, for_lanes};
 use crate::math::Vec3;
 use crate::math::isa::{self, Isa, Kernel, Set};
 use crate::shape::Mesh;
@@ -135,7 +135,9 @@ impl Kernel for Ask<'_> {
         let Ask { tree, few, rays, prepared } = self;
         let mut stacks = Stacks::new();
         match few {
-            Some(few) => (few.closest::<S>(&tree, rays, prepared), few.occluded::<S>(&tree, rays, prepared)),
+            Some(few) => {
+                (few.closest::<S>(&tree, rays, prepared).0, few.occluded::<S>(&tree, rays, prepared))
+            }
             None => (tree.closest::<S>(prepared, &mut stacks), tree.occluded::<S>(prepared, &mut stacks)),
         }
     }
@@ -253,7 +255,7 @@ fn nothing_to_prepare() {
     assert_eq!(Prepared::new(&rays, Mask::MAX).live, 1 << 3);
     assert_eq!(Prepared::new(&rays, !(1 << 3)).live, 0);
     let mut seen = Vec::new();
-    each(0b1001_0000_0000_0010, |i| seen.push(i));
+    for_lanes(0b1001_0000_0000_0010, |i| seen.push(i));
     assert_eq!(seen, [1, 12, 15]);
     assert_eq!((Place::new(5, 3).block(), Place::new(5, 3).lane()), (5, 3));
 }

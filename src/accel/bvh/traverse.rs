@@ -1,14 +1,15 @@
-//! Depth-first traversal, near children first, of all rays of a chunk in turns.
+//! Depth-first traversal, near children first, of the rays of a chunk: one by one, or in turns.
 //!
-//! One ray alone waits most of its time: for a node from memory, and for the comparisons that decide where it goes
-//! next. So the rays of a chunk take turns. Each visits one node or leaf, finds out where it goes on, asks for
-//! that part of the tree to be fetched, and lets the others go first.
+//! In a structure larger than the caches, one ray alone waits most of its time for a node from memory. There the
+//! rays of a chunk take turns: each visits one node or leaf, finds out where it goes on, asks for that part of the tree
+//! to be fetched, and lets the others go first. In a small one that would only cost: its state stays in registers.
 
+use super::kernel::{enter, meet, prefetch};
 use super::node::{Child, Node, WIDTH};
 use super::ray::Prepared;
 use super::tree::{Found, Place, Tree, rank};
-use super::triangle::{BLOCK, Block, Met};
-use crate::accel::{LANES, Mask};
+use super::triangle::BLOCK;
+use crate::accel::{LANES, Mask, for_lanes};
 use crate::math::isa::Set;
 
 /// Levels of nodes that a tree may have; the builder keeps to it ([`super::build`] says how).
@@ -54,15 +55,6 @@ impl Stacks {
     }
 }
 
-/// Calls `visit` for each of `lanes`.
-#[inline(always)]
-pub fn each(mut lanes: Mask, mut visit: impl FnMut(usize)) {
-    while lanes != 0 {
-        visit(lanes.trailing_zeros() as usize % LANES);
-        lanes &= lanes - 1;
-    }
-}
-
 /// Steps the walks of `live` to their ends: to the end one by one, or in turns.
 #[inline(always)]
 fn walk_all(
@@ -81,7 +73,7 @@ fn walk_all(
         place: Place::default(),
     };
     if !in_turns {
-        each(live, |i| {
+        for_lanes(live, |i| {
             let (mut walk, stack) = (start(i), &mut stacks.0[i]);
             while step(&mut walk, stack, i) {}
             end(i, &walk);
@@ -90,7 +82,7 @@ fn walk_all(
     }
     let mut walks = [start(0); LANES];
     let (mut lanes, mut len) = ([0u8; LANES], 0);
-    each(live, |i| {
+    for_lanes(live, |i| {
         walks[i] = start(i);
         lanes[len % LANES] = i as u8;
         len += 1;
@@ -203,12 +195,10 @@ impl Tree<'_> {
     /// Starts loading what a child refers to, if there is time for it before it is needed.
     #[inline(always)]
     fn fetch(&self, child: Child) {
-        #[cfg(target_arch = "x86_64")]
-        if !self.in_turns {
-        } else if child.is_leaf() {
-            super::avx::prefetch(&self.blocks[child.blocks().start], 3);
-        } else {
-            super::avx::prefetch(&self.nodes[child.index()], 4);
+        if self.in_turns && child.is_leaf() {
+            prefetch(&self.blocks[child.blocks().start], 3);
+        } else if self.in_turns {
+            prefetch(&self.nodes[child.index()], 4);
         }
     }
 }
@@ -242,28 +232,4 @@ impl Walk {
         }
         self.child = Child::from_bits(nearest as u32);
     }
-}
-
-/// [`Node::enter`], in the instruction set's form.
-#[inline(always)]
-#[allow(unsafe_code)]
-fn enter<S: Set>(node: &Node, rays: &Prepared, i: usize, tmax: f32) -> ([f32; WIDTH], u32) {
-    #[cfg(target_arch = "x86_64")]
-    if S::ISA != crate::math::isa::Isa::Baseline {
-        // SAFETY: only `isa::run` names another set than the baseline, on machines that have it.
-        return unsafe { super::avx::enter(node, rays, i, tmax) };
-    }
-    node.enter(rays, i, tmax)
-}
-
-/// [`Block::meet`], in the instruction set's form.
-#[inline(always)]
-#[allow(unsafe_code)]
-fn meet<S: Set>(block: &Block, rays: &Prepared, i: usize, tmax: f32) -> Met {
-    #[cfg(target_arch = "x86_64")]
-    if S::ISA != crate::math::isa::Isa::Baseline {
-        // SAFETY: as in `enter`.
-        return unsafe { super::avx::meet(block, rays, i, tmax) };
-    }
-    block.meet(rays, i, tmax)
 }

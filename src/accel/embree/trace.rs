@@ -22,7 +22,7 @@
 use super::device::Device;
 use super::doubt::Areas;
 use super::scene::Scene;
-use crate::accel::{Checked, Coherence, Hits, LANES, MISS, Mask, Rays};
+use crate::accel::{Checked, Coherence, Hits, LANES, MISS, Mask, Rays, for_lanes};
 use embree_sys as sys;
 
 /// How many rays Embree traces at once on this device.
@@ -131,14 +131,6 @@ pub(super) fn occluded_by(way: Way, scene: &Scene, width: Width, rays: Checked<'
         Width::Four => for_parts::<4>(active, |at| hit |= occluded4(scene, rays, active, at, coherent)),
     }
     hit
-}
-
-#[inline]
-fn for_lanes(mut active: Mask, mut one: impl FnMut(usize)) {
-    while active != 0 {
-        one(active.trailing_zeros() as usize);
-        active &= active - 1;
-    }
 }
 
 /// Calls `part` with the first lane of each group of `N` that has an active one.

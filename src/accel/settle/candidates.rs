@@ -60,14 +60,12 @@ pub(super) fn around(triangles: &impl Triangles, ray: &Ray64, corners: &[DVec3; 
     let mut found = Vec::new();
     triangles.around(point.as_vec3(), radius as f32, &mut |ids, corners| {
         // Which others share a leaf, and of which parts of a triangle the tree keeps boxes, is the tree's affair;
-        // the answer is not.
+        // the answer is not. One that comes twice is no other triangle.
         let corners = corners.map(|p| p.as_dvec3());
         if meets_cube(corners.map(|p| p - point), radius) {
             found.push(Candidate { ids, corners });
         }
     });
-    found.sort_unstable_by_key(|c: &Candidate| c.ids);
-    found.dedup_by_key(|c| c.ids);
     Around { point, radius, triangles: found }
 }
 

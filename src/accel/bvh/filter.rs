@@ -1,0 +1,154 @@
+//! What a ray may hit of a triangle, in f32 and with bounds of the errors.
+//!
+//! With u = 2⁻²⁴, let D be the largest |p − o| along an axis, p any corner of the scene, |d|∞ < 2, and n the plane's normal with
+//! |n|₁ = 1. The numerator of t = n·(a − o)/n·d is off by at most 5u·D (the difference, n, the products and sums), the
+//! denominator by 8u, so t by 5u·D/|n·d| + |t|·9u/|n·d| as long as that is small against t, and else the triangle is a
+//! candidate anyway ([`GRAZING`]). The exact test takes a corner to be within 6u·D of where it is ([`super::node`]),
+//! which moves t by 6u·D/|n·d| again. It is important to be no more careful than that: a ray that leaves a
+//! surface starts 32u·|o| above it, and its own triangle should not be a candidate. The weights m·p + k are off
+//! by |m|₁·(2δ + 16u·W), W the largest of |o|, |t·d| and the scene's coordinates; nothing is won by being strict there.
+
+use super::ray::Prepared;
+use super::tree::Place;
+use crate::accel::{LANES, Rays};
+use crate::math::isa::{Isa, Set};
+use crate::math::{Aabb, DVec3, Vec3};
+
+/// 2⁻²⁴.
+const U: f32 = f32::EPSILON / 2.0;
+
+/// Below this |n·d|, nothing is said about t.
+const GRAZING: f32 = 256.0 * U;
+
+/// What the filter knows of a triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct Filter {
+    /// Normal of the plane, |n|₁ = 1, and a corner.
+    n: Vec3,
+    a: Vec3,
+    /// u = m·p + k, and v.
+    u: (Vec3, f32),
+    v: (Vec3, f32),
+    /// The largest |m|₁ of u, v and 1 − u − v.
+    pub slope: f32,
+    /// Where the triangle is kept.
+    pub place: Place,
+}
+
+/// The parts of the bounds that belong to a ray alone.
+pub struct Scales {
+    /// 12u·D.
+    far: [f32; LANES],
+    /// 32u·(|o| + |p|).
+    near: [f32; LANES],
+}
+
+/// Those of one ray.
+#[derive(Clone, Copy)]
+pub struct Scale {
+    far: f32,
+    near: f32,
+}
+
+impl Scales {
+    /// Of rays in a scene with that box.
+    #[inline(always)]
+    pub fn of(bounds: &Aabb, source: &Rays, rays: &Prepared) -> Scales {
+        let (lo, hi, reach) = (bounds.min, bounds.max, reach(bounds));
+        let mut scales = Scales { far: [0.0; LANES], near: [0.0; LANES] };
+        for i in 0..LANES {
+            let farthest = |lo: f32, hi: f32, o: f32| if hi - o > o - lo { hi - o } else { o - lo };
+            let x = farthest(lo.x, hi.x, source.ox[i]);
+            let y = farthest(lo.y, hi.y, source.oy[i]);
+            let z = farthest(lo.z, hi.z, source.oz[i]);
+            let far = if x > y { x } else { y };
+            let far = if far > z { far } else { z };
+            scales.far[i] = far * (12.0 * U);
+            scales.near[i] = (rays.reach[i] + reach) * (32.0 * U);
+        }
+        scales
+    }
+
+    /// Those of lane `i`.
+    #[inline(always)]
+    pub fn at(&self, i: usize) -> Scale {
+        Scale { far: self.far[i], near: self.near[i] }
+    }
+}
+
+/// What is known about a ray and a triangle.
+pub struct Measured {
+    /// It may be hit.
+    pub may_be: bool,
+    /// It is hit.
+    pub is: bool,
+    /// The least distance that it may have.
+    pub least: f32,
+}
+
+impl Filter {
+    /// `None` for one so thin that f32 cannot hold its filter.
+    pub fn new(corners: [Vec3; 3], place: Place) -> Option<Filter> {
+        let [a, b, c] = corners.map(|p| p.as_dvec3());
+        let (e, f) = (b - a, c - a);
+        let n = e.cross(f);
+        // u = (p − a)·(f × n)/(e·(f × n)) and so on: the dual basis of e and f in the plane.
+        let (mu, mv) = (f.cross(n), n.cross(e));
+        let (mu, mv) = (mu / e.dot(mu), mv / f.dot(mv));
+        let n = n / one_norm(n);
+        let slope = one_norm(mu).max(one_norm(mv)).max(one_norm(mu + mv));
+        let sound = n.is_finite() && slope < 1e12;
+        sound.then(|| Filter {
+            n: n.as_vec3(),
+            a: a.as_vec3(),
+            u: (mu.as_vec3(), -mu.dot(a) as f32),
+            v: (mv.as_vec3(), -mv.dot(a) as f32),
+            slope: slope as f32,
+            place,
+        })
+    }
+
+    /// The ray of lane `i`, which starts at `o`.
+    #[inline(always)]
+    pub fn measure<S: Set>(&self, o: Vec3, rays: &Prepared, i: usize, scale: Scale) -> Measured {
+        let d = Vec3::new(rays.direction[0][i], rays.direction[1][i], rays.direction[2][i]);
+        let along = dot::<S>(self.n, d, 0.0);
+        let inverse = 1.0 / along;
+        let from = Vec3::new(self.a.x - o.x, self.a.y - o.y, self.a.z - o.z);
+        let t = dot::<S>(self.n, from, 0.0) * inverse;
+        let p = Vec3::new(add::<S>(d.x, t, o.x), add::<S>(d.y, t, o.y), add::<S>(d.z, t, o.z));
+        let off = add::<S>(t.abs(), 16.0 * U, scale.far) * inverse.abs();
+        let (u, v) = (dot::<S>(self.u.0, p, self.u.1), dot::<S>(self.v.0, p, self.v.1));
+        let uv = 1.0 - u - v;
+        let inside = if u < v { u } else { v };
+        let inside = if inside < uv { inside } else { uv };
+        let w = add::<S>(t.abs(), 64.0 * U, scale.near);
+        let doubt = add::<S>(self.slope, add::<S>(2.0, off, w), 16.0 * U);
+        let clear = along.abs() > GRAZING;
+        let (least, most) = (t - off, t + off);
+        let on = (inside >= -doubt) & (most >= rays.tmin[i]) & (least <= rays.tmax[i]);
+        let within = (inside >= doubt) & (least >= rays.tmin[i]) & (most <= rays.tmax[i]);
+        Measured { may_be: on | !clear, is: within & clear, least: if clear { least } else { 0.0 } }
+    }
+}
+
+/// Largest absolute coordinate in a box.
+pub fn reach(bounds: &Aabb) -> f32 {
+    bounds.min.abs().max(bounds.max.abs()).max_element()
+}
+
+fn one_norm(v: DVec3) -> f64 {
+    let v = v.abs();
+    v.x + v.y + v.z
+}
+
+/// a·b + c, fused where that is one instruction.
+#[inline(always)]
+fn add<S: Set>(a: f32, b: f32, c: f32) -> f32 {
+    if matches!(S::ISA, Isa::Baseline) { a * b + c } else { a.mul_add(b, c) }
+}
+
+#[inline(always)]
+fn dot<S: Set>(a: Vec3, b: Vec3, c: f32) -> f32 {
+    add::<S>(a.x, b.x, add::<S>(a.y, b.y, add::<S>(a.z, b.z, c)))
+}

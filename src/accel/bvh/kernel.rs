@@ -1,0 +1,40 @@
+//! The two kernels and the prefetch, each in the form of the instruction set that is being compiled for.
+#![allow(unsafe_code)]
+
+#[cfg(target_arch = "x86_64")]
+use super::avx;
+use super::node::{Node, WIDTH};
+use super::ray::Prepared;
+use super::triangle::{Block, Met};
+use crate::math::isa::Set;
+
+/// [`Node::enter`].
+#[inline(always)]
+pub fn enter<S: Set>(node: &Node, rays: &Prepared, i: usize, tmax: f32) -> ([f32; WIDTH], u32) {
+    #[cfg(target_arch = "x86_64")]
+    if S::ISA != crate::math::isa::Isa::Baseline {
+        // SAFETY: only `isa::run` names another set than the baseline, on machines that have it, and each has AVX2.
+        return unsafe { avx::enter(node, rays, i, tmax) };
+    }
+    node.enter(rays, i, tmax)
+}
+
+/// [`Block::meet`].
+#[inline(always)]
+pub fn meet<S: Set>(block: &Block, rays: &Prepared, i: usize, tmax: f32) -> Met {
+    #[cfg(target_arch = "x86_64")]
+    if S::ISA != crate::math::isa::Isa::Baseline {
+        // SAFETY: as in `enter`.
+        return unsafe { avx::meet(block, rays, i, tmax) };
+    }
+    block.meet(rays, i, tmax)
+}
+
+/// Starts loading the first `lines` cache lines of what `place` refers to, where there is an instruction for it.
+#[inline(always)]
+pub fn prefetch<T>(place: &T, lines: usize) {
+    #[cfg(target_arch = "x86_64")]
+    avx::prefetch(place, lines);
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (place, lines);
+}
