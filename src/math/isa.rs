@@ -76,6 +76,9 @@ pub trait Set: sealed::Sealed {
     const ISA: Isa;
 }
 
+/// The set that every machine has; anybody may name it.
+pub type Everywhere = sealed::Baseline;
+
 mod sealed {
     use super::{Isa, Set};
 
@@ -91,6 +94,12 @@ mod sealed {
         )*};
     }
     sets!(Baseline Avx2 Avx512);
+}
+
+/// a·b + c, rounded once where the set has an instruction for it, else twice.
+#[inline(always)]
+pub fn fused<S: Set>(a: f32, b: f32, c: f32) -> f32 {
+    if matches!(S::ISA, Isa::Baseline) { a * b + c } else { a.mul_add(b, c) }
 }
 
 /// A piece of hot code that [`run`] compiles per instruction set. Mark `run` `#[inline(always)]`.

@@ -81,10 +81,11 @@ impl Plane {
     }
 }
 
-/// Boxes and numbers of the triangles in each bin.
-pub struct Bins {
-    bounds: [[Bounds; MAX_BINS]; 3],
-    counts: [[u32; MAX_BINS]; 3],
+/// Boxes and numbers of the triangles in each of at most `N` bins; to clear what is not needed would cost as much as to
+/// fill what is.
+pub struct Bins<const N: usize> {
+    bounds: [[Bounds; N]; 3],
+    counts: [[u32; N]; 3],
 }
 
 /// The cheapest plane of a [`Bins`].
@@ -98,15 +99,15 @@ pub struct Best {
     pub cost: f64,
 }
 
-impl Bins {
+impl<const N: usize> Bins<N> {
     /// Sorts triangles into bins.
     #[inline(always)]
-    pub fn fill(grid: &Grid, refs: &[Bounds]) -> Bins {
-        let mut bins = Bins { bounds: [[Bounds::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
+    pub fn fill(grid: &Grid, refs: &[Bounds]) -> Self {
+        let mut bins = Bins { bounds: [[Bounds::EMPTY; N]; 3], counts: [[0; N]; 3] };
         for r in refs {
             let bin = grid.bin(r.middle2());
             for (axis, b) in bin.into_iter().take(3).enumerate() {
-                let b = b as usize % MAX_BINS;
+                let b = b as usize % N;
                 bins.bounds[axis][b].add(r);
                 bins.counts[axis][b] += 1;
             }
@@ -115,9 +116,9 @@ impl Bins {
     }
 
     /// The bins of both.
-    pub fn merge(mut self, other: Bins) -> Bins {
+    pub fn merge(mut self, other: Self) -> Self {
         for axis in 0..3 {
-            for b in 0..MAX_BINS {
+            for b in 0..N {
                 self.bounds[axis][b].add(&other.bounds[axis][b]);
                 self.counts[axis][b] += other.counts[axis][b];
             }
@@ -131,8 +132,8 @@ impl Bins {
         let mut best: Option<Best> = None;
         for axis in (0..3).filter(|&axis| grid.scale[axis] > 0.0) {
             let (bounds, counts) = (&self.bounds[axis], &self.counts[axis]);
-            let count = grid.bins.min(MAX_BINS);
-            let mut right_cost = [0.0; MAX_BINS];
+            let count = grid.bins.min(N);
+            let mut right_cost = [0.0; N];
             let (mut right, mut m) = (Bounds::EMPTY, 0);
             for b in (1..count).rev() {
                 right.add(&bounds[b]);
@@ -158,7 +159,7 @@ impl Bins {
     pub fn sides(&self, best: &Best) -> (Bounds, Bounds, usize) {
         let (bounds, counts) = (&self.bounds[best.axis], &self.counts[best.axis]);
         let (mut left, mut right, mut n) = (Bounds::EMPTY, Bounds::EMPTY, 0);
-        for b in 0..MAX_BINS {
+        for b in 0..N {
             if b < best.bin {
                 left.add(&bounds[b]);
                 n += counts[b] as usize;

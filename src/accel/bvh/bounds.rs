@@ -24,6 +24,13 @@ impl Bounds {
         Bounds(bounds)
     }
 
+    /// This box with other words.
+    #[inline(always)]
+    pub fn with_words(mut self, first: u32, second: u32) -> Bounds {
+        (self.0[3], self.0[7]) = (f32::from_bits(first), f32::from_bits(second));
+        self
+    }
+
     /// The owner's two words.
     #[inline(always)]
     pub fn words(&self) -> (u32, u32) {

@@ -1,10 +1,10 @@
 //! The builder: straight to eight children, in parallel, with the same tree on any number of threads.
 //!
-//! A node starts as one group of triangles; the group with the largest surface is split ([`super::split`])
-//! until there are eight or none is worth splitting. Subtrees of up to [`SUBTREE`] triangles are one task each
-//! and store their nodes depth first, which keeps what a ray visits close together in memory; the tasks'
-//! nodes are then joined in the tree's order. That is medium quality; high also splits space
-//! ([`super::spatial`]), for which every group has spare room behind its references; low is another matter
+//! The nodes above the tasks start as one group of triangles; the group with the largest surface is split
+//! ([`super::split`]) until there are eight. Subtrees of up to [`SUBTREE`] triangles are one task each: halved down to less than
+//! a block, then made nodes of eight at the least cost ([`super::collapse`]), stored depth first, which keeps what a ray
+//! visits close together in memory; the tasks' nodes are joined in the tree's order. That is medium quality; high also splits
+//! space ([`super::spatial`]), for which every group has spare room behind its references; low is another matter
 //! ([`super::morton`]).
 //!
 //! **Memory.** References are sorted in place and are gone, but for the triangles' ids, before the blocks are
@@ -12,15 +12,16 @@
 //!
 //! **Depth.** The traversal's stack holds [`MAX_DEPTH`] levels. After [`HEURISTIC_DEPTH`] levels (ordinary
 //! meshes need about log₈ n) the largest group is halved by count instead, so that a level divides the
-//! number of triangles by eight: at most ten more levels for the largest mesh allowed.
+//! number of triangles by eight: at most ten more levels for the largest mesh allowed. A task does the same after
+//! [`HEURISTIC_LEVELS`] levels of two.
 
-use super::bins::MAX_BINS;
 use super::bounds::Bounds;
+use super::collapse::BinaryTree;
 use super::morton;
 use super::node::{Child, Node, WIDTH};
 use super::parts::{Part, Progress, Tree, fill_blocks, reserve};
 use super::spatial::{self, BUDGET, OVERLAP, Spatial};
-use super::split::{Group, Split, halve, share_room};
+use super::split::{Group, Split, halve, part_few, share_room};
 use super::traverse::MAX_DEPTH;
 use super::triangle::{BLOCK, Block};
 use crate::accel::{BuildOptions, Quality};
@@ -35,11 +36,12 @@ pub const SUBTREE: usize = 1 << 14;
 /// Levels that follow the surface area heuristic.
 pub const HEURISTIC_DEPTH: usize = 24;
 
-// 2^28 triangles are blocks of at most four after ten levels of eight, and one level holds the leaves.
-const _: () = assert!(HEURISTIC_DEPTH + 10 < MAX_DEPTH);
+/// Binary levels of a task that follow the heuristic.
+const HEURISTIC_LEVELS: usize = 48;
 
-/// Cost of visiting a node's child relative to one block of triangles.
-const VISIT: f64 = 1.0;
+// 2^28 triangles are blocks of at most four after ten levels of eight, a task's are single ones after fourteen levels of
+// two, and one level holds the leaves.
+const _: () = assert!(HEURISTIC_DEPTH + 10 + HEURISTIC_LEVELS + 14 < MAX_DEPTH && SUBTREE <= 1 << 14);
 
 /// The tree: nodes (the root first; none for an empty scene) and blocks of triangles.
 pub struct Built {
@@ -120,7 +122,7 @@ impl Builder<'_> {
     fn grow(&self, refs: &mut [Bounds], base: usize, whole: Group, depth: usize) -> Result<Tree> {
         if whole.len <= SUBTREE {
             let mut part = Part::default();
-            self.grow_alone(refs, base, whole, depth, &mut part);
+            self.grow_alone(refs, whole, &mut part);
             self.progress.report(whole.len)?;
             return Ok(Tree::Part(part));
         }
@@ -145,60 +147,55 @@ impl Builder<'_> {
     }
 
     /// As [`Builder::grow`], on this thread, into `part`.
-    fn grow_alone(
-        &self,
-        refs: &mut [Bounds],
-        base: usize,
-        whole: Group,
-        depth: usize,
-        part: &mut Part,
-    ) -> Child {
-        let index = part.nodes.len();
-        part.nodes.push(Node::EMPTY);
-        let mut children = Children::new(whole);
-        self.divide(refs, base, depth, &mut children);
-        for (slot, (group, is_leaf)) in children.iter().enumerate() {
-            let child = match is_leaf {
-                true => part.leaf(group.first, group.len),
-                false => {
-                    let mine = &mut refs[group.first - base..][..group.room];
-                    self.grow_alone(mine, group.first, group, depth + 1, part)
-                }
-            };
-            part.nodes[index].set(slot, &group.bounds, child);
-        }
-        Child::node(index)
+    fn grow_alone(&self, refs: &mut [Bounds], whole: Group, part: &mut Part) {
+        let mut tree = BinaryTree::new(&whole);
+        self.halve_down(refs, whole, 0, &mut tree);
+        tree.collapse(part);
     }
 
-    /// Splits groups until there are eight or all are leaves.
+    /// The binary tree over `whole`, down to halves of a block; returns its root.
+    fn halve_down(&self, refs: &mut [Bounds], whole: Group, level: usize, tree: &mut BinaryTree) -> usize {
+        let node = tree.push(whole);
+        if whole.len <= BLOCK {
+            if whole.len > 1 {
+                let (left, right) = part_few(&mut refs[..whole.len], whole.first);
+                let children = [tree.push(left), tree.push(right)];
+                tree.join(node, children);
+            }
+        } else {
+            let (left, right) = self.split(refs, whole, level < HEURISTIC_LEVELS);
+            let (mine, rest) = refs.split_at_mut(left.room);
+            let children = [
+                self.halve_down(mine, left, level + 1, tree),
+                self.halve_down(&mut rest[..right.room], right, level + 1, tree),
+            ];
+            tree.join(node, children);
+        }
+        node
+    }
+
+    /// Splits a group of more than a block, whose references `refs` begin with.
+    fn split(&self, refs: &mut [Bounds], group: Group, by_surface: bool) -> (Group, Group) {
+        let split = if by_surface { Split::find(&refs[..group.len], &group) } else { None };
+        let spatial = if by_surface { self.spatial(refs, &group, split.as_ref()) } else { None };
+        let in_space = spatial.and_then(|s| s.apply(self.meshes, refs, group.len, group.first));
+        let whole = &mut refs[..group.len];
+        let (mut left, mut right) = in_space.unwrap_or_else(|| match split {
+            Some(split) => split.apply(whole, group.first),
+            None => halve(whole, group.first),
+        });
+        share_room(refs, &mut left, &mut right);
+        (left, right)
+    }
+
+    /// Splits groups until there are eight or all fit a block.
     fn divide(&self, refs: &mut [Bounds], base: usize, depth: usize, children: &mut Children) {
         let by_surface = depth < HEURISTIC_DEPTH;
         while let Some(index) = children.next_to_split(by_surface) {
             let group = children.groups[index];
             let mine = &mut refs[group.first - base..][..group.room];
-            let split = if by_surface { Split::find(&mine[..group.len], &group, MAX_BINS) } else { None };
-            let spatial = if by_surface { self.spatial(mine, &group, split.as_ref()) } else { None };
-            let cost = spatial.as_ref().map(|s| s.cost).or(split.as_ref().map(|s| s.cost));
-            let fits = group.len <= Child::MAX_BLOCKS * BLOCK;
-            let too_dear = |cost| VISIT * group.bounds.half_area() + cost >= group.leaf_cost();
-            let sides = if fits && cost.is_none_or(too_dear) {
-                None
-            } else {
-                let in_space = spatial.and_then(|s| s.apply(self.meshes, mine, group.len, group.first));
-                let whole = &mut mine[..group.len];
-                Some(in_space.unwrap_or_else(|| match split {
-                    Some(split) => split.apply(whole, group.first),
-                    None => halve(whole, group.first),
-                }))
-            };
-            let sides = sides.map(|(mut left, mut right)| {
-                share_room(mine, &mut left, &mut right);
-                (left, right)
-            });
-            match sides {
-                Some((left, right)) => children.replace(index, left, right),
-                None => children.is_leaf[index] = true,
-            }
+            let (left, right) = self.split(mine, group, by_surface);
+            children.replace(index, left, right);
         }
     }
 

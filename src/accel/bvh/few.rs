@@ -9,12 +9,14 @@
 
 use super::filter::{Filter, Scales, reach};
 use super::meeting::Meetings;
+use super::node::{enlarge, max, min};
 use super::ray::Prepared;
 use super::tree::{Found, Place, Tree, rank};
 use super::triangle::Block;
 use crate::accel::{LANES, Mask, Rays, for_lanes};
 use crate::math::Aabb;
-use crate::math::isa::Set;
+use crate::math::isa::{Set, fused};
+use std::ops::Range;
 
 /// Up to how many triangles this is faster than the tree.
 pub const FEW: usize = 64;
@@ -22,7 +24,16 @@ pub const FEW: usize = 64;
 /// The triangles of a small scene.
 pub struct Few {
     filters: Vec<Filter>,
+    /// The filters of a block adjoin.
+    groups: Vec<Group>,
     bounds: Aabb,
+}
+
+/// The filters of one block, and the box around its triangles.
+struct Group {
+    filters: Range<usize>,
+    /// Axis, then lower and upper plane, enlarged as a node's.
+    planes: [[f32; 2]; 3],
 }
 
 /// In the key of a candidate: the bits of its number.
@@ -38,12 +49,13 @@ struct Nearest {
 impl Few {
     /// `None` when there are too many, or one so thin that f32 cannot hold its filter.
     pub fn new(blocks: &[Block]) -> Option<Few> {
-        let mut few = Few { filters: Vec::new(), bounds: Aabb::EMPTY };
+        let mut few = Few { filters: Vec::new(), groups: Vec::new(), bounds: Aabb::EMPTY };
         if blocks.len() > FEW {
             return None;
         }
         let mut seen = Vec::new();
         for (index, block) in blocks.iter().enumerate() {
+            let (first, mut bounds) = (few.filters.len(), Aabb::EMPTY);
             for lane in (0..block.mesh.len()).filter(|&lane| block.mesh[lane] != u32::MAX) {
                 // A triangle that was split in space is in several leaves.
                 if seen.contains(&block.ids(lane)) {
@@ -52,8 +64,10 @@ impl Few {
                 seen.push(block.ids(lane));
                 let corners = block.triangle_at(lane);
                 few.filters.push(Filter::new(corners, Place::new(index, lane))?);
-                few.bounds = corners.iter().fold(few.bounds, |b, p| b.grow(*p));
+                bounds = corners.iter().fold(bounds, |b, p| b.grow(*p));
             }
+            few.bounds = few.bounds.union(bounds);
+            few.groups.push(Group::new(first..few.filters.len(), &bounds));
         }
         let reach = reach(&few.bounds);
         // Beyond the first, nearly everything would be in doubt; beyond the second, products may leave the range.
@@ -70,7 +84,7 @@ impl Few {
             key => self.filters[(key & NUMBER) as usize].place,
         };
         let mut found = Found { hit: 0, place: nearest.first.map(place) };
-        let meetings = Meetings::of(tree, &found.place, rays);
+        let meetings = Meetings::of::<S>(tree, &found.place, rays);
         let mut again = 0;
         for i in 0..LANES {
             let hit = (meetings.is[i] == 1) & (nearest.first[i] != u32::MAX);
@@ -85,11 +99,11 @@ impl Few {
             return (found, meetings);
         }
         for_lanes(again, |i| {
-            let place = tree.closest_of_all(rays, i);
+            let place = tree.closest_of_all::<S>(rays, i);
             found.hit = found.hit & !(1 << i) | (place.is_some() as Mask) << i;
             found.place[i] = place.unwrap_or_default();
         });
-        let meetings = Meetings::of(tree, &found.place, rays);
+        let meetings = Meetings::of::<S>(tree, &found.place, rays);
         (found, meetings)
     }
 
@@ -99,7 +113,7 @@ impl Few {
         let (sure, maybe) = self.any::<S>(source, rays);
         let mut hit = sure & rays.live;
         for_lanes(maybe & !sure & rays.live, |i| {
-            hit |= (tree.closest_of_all(rays, i).is_some() as Mask) << i
+            hit |= (tree.closest_of_all::<S>(rays, i).is_some() as Mask) << i
         });
         hit
     }
@@ -109,15 +123,22 @@ impl Few {
         let scales = Scales::of(&self.bounds, source, rays);
         let mut first = [u32::MAX; LANES];
         let mut second = [u32::MAX; LANES];
-        for (number, filter) in self.filters.iter().enumerate() {
-            for i in 0..LANES {
-                let m = filter.measure::<S>(source.o(i), rays, i, scales.at(i));
-                // Not negative, so that its bits are in its order; the lowest give way to the triangle's number.
-                let least = if m.least > 0.0 { m.least } else { 0.0 };
-                let key = least.to_bits() & !NUMBER | number as u32;
-                let key = if m.may_be { key } else { u32::MAX };
-                second[i] = second[i].min(first[i].max(key));
-                first[i] = first[i].min(key);
+        let together = go_together(rays);
+        for group in &self.groups {
+            if together && !group.is_met::<S>(rays) {
+                continue;
+            }
+            for number in group.filters.clone() {
+                let filter = &self.filters[number];
+                for i in 0..LANES {
+                    let m = filter.measure::<S>(source.o(i), rays, i, scales.at(i));
+                    // Not negative, so that its bits are in its order; the lowest give way to the triangle's number.
+                    let least = if m.least > 0.0 { m.least } else { 0.0 };
+                    let key = least.to_bits() & !NUMBER | number as u32;
+                    let key = if m.may_be { key } else { u32::MAX };
+                    second[i] = second[i].min(first[i].max(key));
+                    first[i] = first[i].min(key);
+                }
             }
         }
         Nearest { first, second }
@@ -128,11 +149,17 @@ impl Few {
     fn any<S: Set>(&self, source: &Rays, rays: &Prepared) -> (Mask, Mask) {
         let scales = Scales::of(&self.bounds, source, rays);
         let (mut sure, mut maybe) = ([0u32; LANES], [0u32; LANES]);
-        for filter in &self.filters {
-            for i in 0..LANES {
-                let m = filter.measure::<S>(source.o(i), rays, i, scales.at(i));
-                sure[i] |= m.is as u32;
-                maybe[i] |= m.may_be as u32;
+        let together = go_together(rays);
+        for group in &self.groups {
+            if together && !group.is_met::<S>(rays) {
+                continue;
+            }
+            for filter in &self.filters[group.filters.clone()] {
+                for i in 0..LANES {
+                    let m = filter.measure::<S>(source.o(i), rays, i, scales.at(i));
+                    sure[i] |= m.is as u32;
+                    maybe[i] |= m.may_be as u32;
+                }
             }
         }
         let bits = |lanes: [u32; LANES]| (0..LANES).fold(0, |mask, i| mask | (lanes[i] as Mask) << i);
@@ -140,13 +167,51 @@ impl Few {
     }
 }
 
+/// Whether all rays go into the same octant, as those of a camera and those to a lamp mostly do. Then it is worth asking
+/// first which blocks any of them meets.
+#[inline(always)]
+fn go_together(rays: &Prepared) -> bool {
+    let (mut all, mut any) = (7, 0);
+    for i in 0..LANES {
+        let octant = rays.near_side[0][i] | rays.near_side[1][i] << 1 | rays.near_side[2][i] << 2;
+        let live = (rays.live >> i & 1) as u32;
+        all &= octant | live.wrapping_sub(1);
+        any |= octant & live.wrapping_neg();
+    }
+    all == any
+}
+
+impl Group {
+    fn new(filters: Range<usize>, bounds: &Aabb) -> Group {
+        let (lo, hi) = enlarge(bounds.min.to_array(), bounds.max.to_array());
+        Group { filters, planes: [0, 1, 2].map(|k| [lo[k], hi[k]]) }
+    }
+
+    /// Whether any of the rays, which all go into the same octant, meets the box.
+    #[inline(always)]
+    fn is_met<S: Set>(&self, rays: &Prepared) -> bool {
+        let lane = rays.live.trailing_zeros() as usize % LANES;
+        let side = |k: usize| rays.near_side[k][lane] as usize & 1;
+        let [x, y, z] = [0, 1, 2].map(|k| [self.planes[k][side(k)], self.planes[k][side(k) ^ 1]]);
+        let mut met = [0u32; LANES];
+        for (i, met) in met.iter_mut().enumerate() {
+            let near = |k: usize, plane: f32| fused::<S>(plane, rays.inverse[k][i], -rays.near_start[k][i]);
+            let far = |k: usize, plane: f32| fused::<S>(plane, rays.inverse[k][i], -rays.far_start[k][i]);
+            let from = max(max(near(0, x[0]), near(1, y[0])), max(near(2, z[0]), rays.tmin[i]));
+            let to = min(min(far(0, x[1]), far(1, y[1])), min(far(2, z[1]), rays.tmax[i]));
+            *met = (from <= to) as u32 & (rays.live >> i) as u32 & 1;
+        }
+        met.iter().any(|&m| m != 0)
+    }
+}
+
 impl Tree<'_> {
     /// The closest hit of one ray among all triangles, without the nodes.
     #[cold]
-    fn closest_of_all(&self, rays: &Prepared, i: usize) -> Option<Place> {
+    fn closest_of_all<S: Set>(&self, rays: &Prepared, i: usize) -> Option<Place> {
         let mut best = (rays.tmax[i], u64::MAX, None);
         for (index, block) in self.blocks.iter().enumerate() {
-            let (mut met, t) = block.meet(rays, i, best.0);
+            let (mut met, t) = block.meet::<S>(rays, i, best.0);
             while met != 0 {
                 let lane = met.trailing_zeros() as usize;
                 met &= met - 1;

@@ -11,7 +11,7 @@
 use super::ray::Prepared;
 use super::tree::Place;
 use crate::accel::{LANES, Rays};
-use crate::math::isa::{Isa, Set};
+use crate::math::isa::{Set, fused};
 use crate::math::{Aabb, DVec3, Vec3};
 
 /// 2⁻²⁴.
@@ -116,14 +116,14 @@ impl Filter {
         let inverse = 1.0 / along;
         let from = Vec3::new(self.a.x - o.x, self.a.y - o.y, self.a.z - o.z);
         let t = dot::<S>(self.n, from, 0.0) * inverse;
-        let p = Vec3::new(add::<S>(d.x, t, o.x), add::<S>(d.y, t, o.y), add::<S>(d.z, t, o.z));
-        let off = add::<S>(t.abs(), 16.0 * U, scale.far) * inverse.abs();
+        let p = Vec3::new(fused::<S>(d.x, t, o.x), fused::<S>(d.y, t, o.y), fused::<S>(d.z, t, o.z));
+        let off = fused::<S>(t.abs(), 16.0 * U, scale.far) * inverse.abs();
         let (u, v) = (dot::<S>(self.u.0, p, self.u.1), dot::<S>(self.v.0, p, self.v.1));
         let uv = 1.0 - u - v;
         let inside = if u < v { u } else { v };
         let inside = if inside < uv { inside } else { uv };
-        let w = add::<S>(t.abs(), 64.0 * U, scale.near);
-        let doubt = add::<S>(self.slope, add::<S>(2.0, off, w), 16.0 * U);
+        let w = fused::<S>(t.abs(), 64.0 * U, scale.near);
+        let doubt = fused::<S>(self.slope, fused::<S>(2.0, off, w), 16.0 * U);
         let clear = along.abs() > GRAZING;
         let (least, most) = (t - off, t + off);
         let on = (inside >= -doubt) & (most >= rays.tmin[i]) & (least <= rays.tmax[i]);
@@ -142,13 +142,7 @@ fn one_norm(v: DVec3) -> f64 {
     v.x + v.y + v.z
 }
 
-/// a·b + c, fused where that is one instruction.
-#[inline(always)]
-fn add<S: Set>(a: f32, b: f32, c: f32) -> f32 {
-    if matches!(S::ISA, Isa::Baseline) { a * b + c } else { a.mul_add(b, c) }
-}
-
 #[inline(always)]
 fn dot<S: Set>(a: Vec3, b: Vec3, c: f32) -> f32 {
-    add::<S>(a.x, b.x, add::<S>(a.y, b.y, add::<S>(a.z, b.z, c)))
+    fused::<S>(a.x, b.x, fused::<S>(a.y, b.y, fused::<S>(a.z, b.z, c)))
 }

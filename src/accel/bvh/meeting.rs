@@ -4,6 +4,7 @@ use super::node::{enlarge, max, min};
 use super::ray::{Prepared, pick};
 use super::tree::{Place, Tree};
 use crate::accel::LANES;
+use crate::math::isa::{Set, fused};
 
 /// Where a ray meets a triangle, exactly.
 #[derive(Clone, Copy, Debug)]
@@ -21,8 +22,8 @@ pub struct Meeting {
 impl Meeting {
     /// The ray of lane `i` and any triangle.
     #[inline(always)]
-    pub fn of([a, b, c]: [[f32; 3]; 3], rays: &Prepared, i: usize) -> Meeting {
-        let (near, far) = box_interval(a, b, c, rays, i);
+    pub fn of<S: Set>([a, b, c]: [[f32; 3]; 3], rays: &Prepared, i: usize) -> Meeting {
+        let (near, far) = box_interval::<S>(a, b, c, rays, i);
         let crossing = cross(frame(a, rays, i), frame(b, rays, i), frame(c, rays, i), rays.inverse_z[i]);
         crossing.clamped(near, far, rays.tmin[i])
     }
@@ -72,7 +73,7 @@ fn cross(a: [f32; 3], b: [f32; 3], c: [f32; 3], inverse_z: f64) -> Meeting {
 
 /// Where the ray enters and leaves the triangle's own box, enlarged and computed as a node's.
 #[inline(always)]
-fn box_interval(a: [f32; 3], b: [f32; 3], c: [f32; 3], rays: &Prepared, i: usize) -> (f32, f32) {
+fn box_interval<S: Set>(a: [f32; 3], b: [f32; 3], c: [f32; 3], rays: &Prepared, i: usize) -> (f32, f32) {
     let least = |k: usize| min(min(a[k], b[k]), c[k]);
     let most = |k: usize| max(max(a[k], b[k]), c[k]);
     let (lo, hi) = enlarge([least(0), least(1), least(2)], [most(0), most(1), most(2)]);
@@ -80,7 +81,7 @@ fn box_interval(a: [f32; 3], b: [f32; 3], c: [f32; 3], rays: &Prepared, i: usize
         let forwards = rays.near_side[k][i] == 0;
         let (first, last) = (if forwards { lo[k] } else { hi[k] }, if forwards { hi[k] } else { lo[k] });
         let inverse = rays.inverse[k][i];
-        ((first - rays.near_origin[k][i]) * inverse, (last - rays.far_origin[k][i]) * inverse)
+        (fused::<S>(first, inverse, -rays.near_start[k][i]), fused::<S>(last, inverse, -rays.far_start[k][i]))
     };
     let ((x0, x1), (y0, y1), (z0, z1)) = (slab(0), slab(1), slab(2));
     (max(max(x0, y0), z0), min(min(x1, y1), z1))
@@ -99,9 +100,12 @@ pub struct Meetings {
 }
 
 impl Meetings {
+    /// No ray meets anything.
+    pub const NONE: Meetings = Meetings { is: [0; LANES], t: [0.0; LANES], u: [0.0; LANES], v: [0.0; LANES] };
+
     /// The ray of each lane and the triangle at its place.
     #[inline(always)]
-    pub fn of(tree: &Tree<'_>, places: &[Place; LANES], rays: &Prepared) -> Meetings {
+    pub fn of<S: Set>(tree: &Tree<'_>, places: &[Place; LANES], rays: &Prepared) -> Meetings {
         let zero = [0.0f32; LANES];
         let mut corners = [[zero; 3]; 3];
         if !tree.blocks.is_empty() {
@@ -120,7 +124,7 @@ impl Meetings {
         let [a, b, c] = &corners;
         // Three loops without a branch, each small enough to be vectorised.
         for i in 0..LANES {
-            (near[i], far[i]) = box_interval(at(a, i), at(b, i), at(c, i), rays, i);
+            (near[i], far[i]) = box_interval::<S>(at(a, i), at(b, i), at(c, i), rays, i);
         }
         for (framed, corner) in framed.iter_mut().zip(&corners) {
             let [x, y, z] = framed;

@@ -1,8 +1,8 @@
 //! Our own bounding volume hierarchy: eight children a node, watertight triangles, the same bits everywhere.
 //!
 //! The parts are apart so that each can be replaced by another form. `build` (with `split`, `bins`, `partition`) makes
-//! the tree, `morton` the one of low quality, and `spatial` the additional splits of high quality; `tree` is what they
-//! make. `ray` prepares a chunk of rays. `node` and `triangle` are the two kernels over eight and four lanes in their
+//! the tree, by `collapse` from two children a node to eight, `morton` the one of low quality, and `spatial` the additional
+//! splits of high quality; `tree` is what they make. `ray` prepares a chunk of rays. `node` and `triangle` are the two kernels over eight and four lanes in their
 //! plain form, `avx` the same operations as intrinsics, `kernel` the choice. `traverse` walks, the rays of a chunk in turns where the
 //! structure is larger than a core's cache; `few` does without the tree where there are only some tens of triangles (`filter`);
 //! and `meeting` says of one triangle a lane where it is met.
@@ -18,6 +18,7 @@ mod avx;
 mod bins;
 mod bounds;
 mod build;
+mod collapse;
 mod few;
 mod filter;
 mod kernel;
@@ -59,8 +60,8 @@ pub struct Bvh {
 }
 
 /// Up to this many bytes a structure stays in the caches, and a ray loses little by waiting for it; larger ones are
-/// traversed in turns ([`traverse`]). Measured with a third-level cache of 32 MiB: structures of 6 and 19 MB are traced
-/// 8 % and 13 % faster ray by ray, one of 53 MB 13 % (camera rays) to 42 % (second bounces) slower.
+/// traversed in turns ([`traverse`]). Measured with a third-level cache of 32 MiB: structures of 6 and 22 MB are traced
+/// 5 to 10 % faster ray by ray, one of 36 MB 14 % (camera rays) to 66 % (second bounces) slower.
 const NEAR_BY: usize = 24 << 20;
 
 impl Bvh {
@@ -129,7 +130,10 @@ impl Kernel for Closest<'_> {
             _ => {
                 let closest = |stacks: &mut Box<Stacks>| tree.closest::<S>(&prepared, stacks);
                 let found = STACKS.with_borrow_mut(closest);
-                let meetings = Meetings::of(&tree, &found.place, &prepared);
+                let meetings = match found.hit {
+                    0 => Meetings::NONE,
+                    _ => Meetings::of::<S>(&tree, &found.place, &prepared),
+                };
                 (found, meetings)
             }
         };

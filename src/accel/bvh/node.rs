@@ -3,11 +3,12 @@
 //! **Why the boxes are a little too large.** The triangle test of [`super::triangle`] moves vertices into the
 //! ray's sheared frame in f32. With u = 2⁻²⁴, a vertex at the offset (x, y, z) from the ray's origin, z along
 //! the dominant axis, lands within 2u·|x| + 4u·|z| of where it belongs, so a ray may hit a triangle whose
-//! exact box it misses by that much. The slab distances (plane − origin)·(1/d) add 3u relative on the two
-//! axes compared, and storing enlarged planes 2u. The sum is below 14u·max(|x|, |z|), and an offset is at most
+//! exact box it misses by that much. A slab distance plane·(1/d) − origin·(1/d) is off by at most 2u of the
+//! offset (1/d, the result), 2u of the origin and 1u of the plane (the products; where the machine fuses the last two
+//! steps, the plane's is none), and storing enlarged planes adds 2u of them. The sum is below 11u, and an offset is at most
 //! |coordinate| + |origin|: both sides get their share at 16u = [`MARGIN`] — the boxes once, when they are
 //! stored ([`enlarge`]), the origin once a ray ([`super::ray`]). (Ize 2013, "Robust BVH ray traversal", bounds
-//! the slab's own 3u; Woop, Benthin and Wald 2013, section 3.3, the shear's part.) Nothing is added per
+//! the slab's part; Woop, Benthin and Wald 2013, section 3.3, the shear's part.) Nothing is added per
 //! node visited, and the sign of t does not matter.
 
 use super::bounds::Bounds;
@@ -131,9 +132,32 @@ impl Node {
         self.children[slot] = child;
     }
 
+    /// Sorts the children by their surface, so that a ray that looks for any hit first tries the one in which it most likely
+    /// finds it.
+    pub fn largest_first(&mut self) {
+        let before = *self;
+        let extent =
+            |slot: usize, k: usize| (before.planes[k][1][slot] - before.planes[k][0][slot]).max(0.0) as f64;
+        let area = |slot: usize| {
+            let [x, y, z] = [0, 1, 2].map(|k| extent(slot, k));
+            x * (y + z) + y * z
+        };
+        let mut order: [usize; WIDTH] = std::array::from_fn(|slot| slot);
+        let areas: [f64; WIDTH] = std::array::from_fn(area);
+        order.sort_by(|&a, &b| areas[b].total_cmp(&areas[a]));
+        for (slot, from) in order.into_iter().enumerate() {
+            for k in 0..3 {
+                for side in 0..2 {
+                    self.planes[k][side][slot] = before.planes[k][side][from];
+                }
+            }
+            self.children[slot] = before.children[from];
+        }
+    }
+
     /// The distances at which the ray of lane `i` enters each child's box, and one bit for each box that it meets
-    /// on `tmin ..= tmax`. No NaN can arise: 1/d is finite and not zero, and infinite planes (of empty
-    /// slots) minus a finite origin stay infinite. A distance is never negative, nor −0, so that its bits are in
+    /// on `tmin ..= tmax`. No NaN can arise: 1/d and o/d are finite and 1/d is not zero, so infinite planes (of empty
+    /// slots) stay infinite. A distance is never negative, nor −0, so that its bits are in
     /// its order.
     #[inline(always)]
     pub fn enter(&self, rays: &Prepared, i: usize, tmax: f32) -> ([f32; WIDTH], u32) {
@@ -142,11 +166,11 @@ impl Node {
         for k in 0..3 {
             let side = rays.near_side[k][i] as usize & 1;
             let (first, last) = (&self.planes[k][side], &self.planes[k][side ^ 1]);
-            let (near_origin, far_origin) = (rays.near_origin[k][i], rays.far_origin[k][i]);
+            let (near_start, far_start) = (rays.near_start[k][i], rays.far_start[k][i]);
             let inverse = rays.inverse[k][i];
             for i in 0..WIDTH {
-                near[i] = max((first[i] - near_origin) * inverse, near[i]);
-                far[i] = min((last[i] - far_origin) * inverse, far[i]);
+                near[i] = max(first[i] * inverse - near_start, near[i]);
+                far[i] = min(last[i] * inverse - far_start, far[i]);
             }
         }
         // Selected constants and a sum, which compile to a blend and three shuffles; shifting single bits

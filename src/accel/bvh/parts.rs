@@ -16,7 +16,9 @@ pub fn reserve<T>(vec: &mut Vec<T>, more: usize) -> Result<()> {
         let mib = (more * size_of::<T>()) >> 20;
         Error::new(format!("not enough memory for the acceleration structure ({mib} MiB more were needed)"))
             .advise("use a smaller mesh or a machine with more memory")
-    })
+    })?;
+    super::kernel::prefer_huge_pages(vec.spare_capacity_mut());
+    Ok(())
 }
 
 /// Tells the caller how far a build is, and the tasks whether to go on.
@@ -109,6 +111,7 @@ impl Part {
                     let child = self.append(child);
                     self.nodes[index].set(slot, &bounds, child);
                 }
+                self.nodes[index].largest_first();
                 Child::node(index)
             }
         }

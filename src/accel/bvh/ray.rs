@@ -4,7 +4,7 @@ use super::node::{margin, max, min};
 use crate::accel::{LANES, Mask, Rays};
 
 /// Below this magnitude a direction's component is not inverted.
-const SMALLEST_INVERTED: f32 = 1e-37;
+const SMALLEST_INVERTED: f32 = 1e-20;
 
 /// Prepared rays, structure of arrays. A direction is scaled by a power of two so that its largest component lies in
 /// [1, 2): exact, keeps every later quantity in range whatever the direction's length, and undone on the way out
@@ -12,12 +12,13 @@ const SMALLEST_INVERTED: f32 = 1e-37;
 #[derive(Clone)]
 #[repr(C, align(64))]
 pub struct Prepared {
-    /// Origins against which near planes are measured: moved so that every box is enlarged, see [`margin`].
-    pub near_origin: [[f32; LANES]; 3],
-    /// Origins against which far planes are measured.
-    pub far_origin: [[f32; LANES]; 3],
-    /// 1/d, finite: a component too small to be inverted counts as ±1e-37. Such a ray stays within its slab's
-    /// margin (≥ 2⁻²⁰·W) over every distance t ≤ 2·W that matters, and 2⁻²⁰·W·1e37 is far beyond that t.
+    /// (o + e)/d, e the [`margin`] with the direction's sign: near planes are met at plane/d less this. Moved so, every
+    /// box is enlarged.
+    pub near_start: [[f32; LANES]; 3],
+    /// (o − e)/d, the same for far planes.
+    pub far_start: [[f32; LANES]; 3],
+    /// 1/d; a component below 1e-20 counts as ±1e-20. Such a ray stays within its slab's margin (≥ 2⁻²⁰·W) over every
+    /// distance t ≤ 2·W that matters, and 2⁻²⁰·W·1e20 is far beyond that t. And o/d stays finite for every |o| < 3e18.
     pub inverse: [[f32; LANES]; 3],
     /// Scaled directions.
     pub direction: [[f32; LANES]; 3],
@@ -57,8 +58,8 @@ impl Prepared {
     pub fn new(rays: &Rays, active: Mask) -> Prepared {
         let zero = [0.0f32; LANES];
         let mut p = Prepared {
-            near_origin: [zero; 3],
-            far_origin: [zero; 3],
+            near_start: [zero; 3],
+            far_start: [zero; 3],
             inverse: [zero; 3],
             direction: [zero; 3],
             reach: zero,
@@ -95,9 +96,10 @@ impl Prepared {
                 let outwards = e.copysign(d[k]);
                 p.direction[k][i] = d[k];
                 p.near_side[k][i] = d[k].to_bits() >> 31;
-                p.near_origin[k][i] = o[k] + outwards;
-                p.far_origin[k][i] = o[k] - outwards;
-                p.inverse[k][i] = 1.0 / max(d[k].abs(), SMALLEST_INVERTED).copysign(d[k]);
+                let inverse = 1.0 / max(d[k].abs(), SMALLEST_INVERTED).copysign(d[k]);
+                p.near_start[k][i] = (o[k] + outwards) * inverse;
+                p.far_start[k][i] = (o[k] - outwards) * inverse;
+                p.inverse[k][i] = inverse;
             }
             let along = pick(kz, d);
             (p.axes[0][i], p.axes[1][i], p.axes[2][i]) = (kx, ky, kz);

@@ -2,7 +2,7 @@
 //!
 //! Which way is taken depends on the number of triangles alone, never on the threads.
 
-use super::bins::{Bins, Grid, MAX_BINS, Plane, blocks};
+use super::bins::{Bins, Grid, MAX_BINS, Plane};
 use super::bounds::Bounds;
 use super::partition::partition;
 use rayon::prelude::*;
@@ -11,6 +11,9 @@ use rayon::prelude::*;
 pub const PARALLEL: usize = 1 << 17;
 
 const CHUNK: usize = 1 << 14;
+
+/// The bins of up to 64 triangles.
+const FEW_BINS: usize = 16;
 
 /// Triangles of a node-to-be: a range of the builder's references, the box around them, and the box around
 /// their (doubled) middles.
@@ -46,11 +49,6 @@ impl Group {
         };
         Group { first, len: refs.len(), room: refs.len(), bounds, middles }
     }
-
-    /// Cost of testing this many triangles against a ray that enters the box, in block tests.
-    pub fn leaf_cost(&self) -> f64 {
-        self.bounds.half_area() * blocks(self.len)
-    }
 }
 
 /// A plane between bins, and what is on its sides.
@@ -66,12 +64,19 @@ pub struct Split {
 
 impl Split {
     /// The cheapest split; `None` when all middles coincide (to the resolution of f32).
-    pub fn find(refs: &[Bounds], group: &Group, most_bins: usize) -> Option<Split> {
+    pub fn find(refs: &[Bounds], group: &Group) -> Option<Split> {
+        match refs.len() {
+            0..64 => Split::find_in::<FEW_BINS>(refs, group),
+            _ => Split::find_in::<MAX_BINS>(refs, group),
+        }
+    }
+
+    fn find_in<const N: usize>(refs: &[Bounds], group: &Group) -> Option<Split> {
         // Few triangles need few bins, and clearing and sweeping bins is most of their cost.
-        let count = (8 + refs.len() / 8).min(most_bins).min(MAX_BINS);
+        let count = (8 + refs.len() / 8).min(N);
         let grid = Grid::new(&group.middles, count)?;
         let bins = if refs.len() < PARALLEL {
-            Bins::fill(&grid, refs)
+            Bins::<N>::fill(&grid, refs)
         } else {
             refs.par_chunks(CHUNK).map(|part| Bins::fill(&grid, part)).reduce_with(Bins::merge)?
         };
@@ -93,6 +98,31 @@ impl Split {
         let both = self.left.within(&self.right);
         if both.is_empty() { 0.0 } else { both.half_area() }
     }
+}
+
+/// Parts a block's triangles or fewer along the axis on which their middles are farthest apart, where the two boxes are
+/// the smallest.
+pub fn part_few(refs: &mut [Bounds], first: usize) -> (Group, Group) {
+    let middles = refs.iter().fold(Bounds::EMPTY, |b, r| b.union(&Bounds::point(r.middle2())));
+    let [x, y, z] = middles.extent();
+    let axis = if x >= y && x >= z { 0 } else { 1 + usize::from(z > y) };
+    for i in 1..refs.len() {
+        let mut at = i;
+        while at > 0 && refs[at - 1].middle2()[axis] > refs[at].middle2()[axis] {
+            refs.swap(at - 1, at);
+            at -= 1;
+        }
+    }
+    let around = |refs: &[Bounds]| refs.iter().fold(Bounds::EMPTY, |b, r| b.union(r));
+    let (mut cut, mut least) = (1, f64::INFINITY);
+    for at in 1..refs.len() {
+        let cost = around(&refs[..at]).half_area() + around(&refs[at..]).half_area();
+        if cost < least {
+            (cut, least) = (at, cost);
+        }
+    }
+    let (left, right) = refs.split_at(cut);
+    (Group::around(left, first), Group::around(right, first + cut))
 }
 
 /// Gives each of two adjoining groups, which begin `refs`, its share of the room behind them.

@@ -11,14 +11,15 @@ use super::tree::{Found, Place, Tree, rank};
 use super::triangle::BLOCK;
 use crate::accel::{LANES, Mask, for_lanes};
 use crate::math::isa::Set;
+use std::marker::PhantomData;
 
 /// Levels of nodes that a tree may have; the builder keeps to it ([`super::build`] says how).
-pub const MAX_DEPTH: usize = 36;
+pub const MAX_DEPTH: usize = 100;
 
 /// A visited node pushes at most [`WIDTH`] entries and the next one was popped from them, so every level above
 /// the current node holds at most `WIDTH − 1`, and the last one pushes `WIDTH`. A power of two, so that an index is
 /// brought in range by a mask; none ever is out of it.
-const STACK: usize = 256;
+const STACK: usize = 1024;
 
 const _: () = assert!(MAX_DEPTH * (WIDTH - 1) < STACK);
 
@@ -45,24 +46,37 @@ struct Walk {
 /// What a ray has yet to visit.
 type Stack = [Entry; STACK];
 
+/// One lane's, with some lines more, so that the lanes' first entries are not all in the same set of the cache.
+#[derive(Clone, Copy)]
+struct Lane {
+    entries: Stack,
+    _more: [Entry; 40],
+}
+
 /// Scratch memory of a traversal.
-pub struct Stacks([Stack; LANES]);
+pub struct Stacks([Lane; LANES]);
 
 impl Stacks {
     /// New ones; on the heap, and kept by whoever traces.
     pub fn new() -> Box<Stacks> {
-        Box::new(Stacks([[0; STACK]; LANES]))
+        Box::new(Stacks([Lane { entries: [0; STACK], _more: [0; 40] }; LANES]))
     }
 }
 
-/// Steps the walks of `live` to their ends: to the end one by one, or in turns.
+/// What rays of a kind do on their way. A trait and not a closure, since only what is always inlined is compiled for the
+/// instruction set at hand.
+trait Steps {
+    /// Visits one node or leaf; false at the end of the way.
+    fn step(&self, walk: &mut Walk, stack: &mut Stack, i: usize) -> bool;
+}
+
+/// Steps the walks of the live rays to their ends: to the end one by one, or in turns.
 #[inline(always)]
 fn walk_all(
-    live: Mask,
     rays: &Prepared,
     stacks: &mut Stacks,
     in_turns: bool,
-    step: impl Fn(&mut Walk, &mut Stack, usize) -> bool,
+    steps: &impl Steps,
     mut end: impl FnMut(usize, &Walk),
 ) {
     let start = |i: usize| Walk {
@@ -73,16 +87,16 @@ fn walk_all(
         place: Place::default(),
     };
     if !in_turns {
-        for_lanes(live, |i| {
-            let (mut walk, stack) = (start(i), &mut stacks.0[i]);
-            while step(&mut walk, stack, i) {}
+        for_lanes(rays.live, |i| {
+            let (mut walk, stack) = (start(i), &mut stacks.0[i].entries);
+            while steps.step(&mut walk, stack, i) {}
             end(i, &walk);
         });
         return;
     }
     let mut walks = [start(0); LANES];
     let (mut lanes, mut len) = ([0u8; LANES], 0);
-    for_lanes(live, |i| {
+    for_lanes(rays.live, |i| {
         walks[i] = start(i);
         lanes[len % LANES] = i as u8;
         len += 1;
@@ -91,7 +105,7 @@ fn walk_all(
         let mut turn = 0;
         while turn < len {
             let i = lanes[turn % LANES] as usize % LANES;
-            if step(&mut walks[i], &mut stacks.0[i], i) {
+            if steps.step(&mut walks[i], &mut stacks.0[i].entries, i) {
                 turn += 1;
             } else {
                 end(i, &walks[i]);
@@ -102,48 +116,49 @@ fn walk_all(
     }
 }
 
-impl Tree<'_> {
-    /// The closest hits of the live rays; of hits at equal distance, the one with the lowest id.
-    #[inline(always)]
-    pub fn closest<S: Set>(&self, rays: &Prepared, stacks: &mut Stacks) -> Found {
-        let mut found = Found::default();
-        let step = |walk: &mut Walk, stack: &mut Stack, i: usize| {
-            if walk.child.is_leaf() {
-                self.closest_in_leaf::<S>(walk, rays, i);
-            } else {
-                let node = &self.nodes[walk.child.index()];
-                let (near, met) = enter::<S>(node, rays, i, walk.t);
-                if met != 0 {
-                    walk.descend(stack, node, &near, met);
-                    self.fetch(walk.child);
-                    return true;
-                }
-            }
-            // A box entered at exactly the best distance may still hold a tie with a lower id.
-            let end = walk.t.to_bits();
-            while walk.top > 0 {
-                walk.top -= 1;
-                let next = stack[walk.top % STACK];
-                if (next >> 32) as u32 <= end {
-                    walk.child = Child::from_bits(next as u32);
-                    self.fetch(walk.child);
-                    return true;
-                }
-            }
-            false
-        };
-        walk_all(rays.live, rays, stacks, self.in_turns, step, |i, walk| {
-            found.hit |= ((walk.id != u64::MAX) as Mask) << i;
-            found.place[i] = walk.place;
-        });
-        found
-    }
+/// The way to the closest hit; of hits at equal distance, to the one with the lowest id.
+struct ToClosest<'a, S> {
+    tree: &'a Tree<'a>,
+    rays: &'a Prepared,
+    set: PhantomData<S>,
+}
 
+impl<S: Set> Steps for ToClosest<'_, S> {
     #[inline(always)]
-    fn closest_in_leaf<S: Set>(&self, walk: &mut Walk, rays: &Prepared, i: usize) {
+    fn step(&self, walk: &mut Walk, stack: &mut Stack, i: usize) -> bool {
+        let tree = self.tree;
+        if walk.child.is_leaf() {
+            self.leaf(walk, i);
+        } else {
+            let node = &tree.nodes[walk.child.index()];
+            let (near, met) = enter::<S>(node, self.rays, i, walk.t);
+            if met != 0 {
+                walk.descend(tree, stack, node, &near, met);
+                tree.fetch(walk.child);
+                return true;
+            }
+        }
+        // A box entered at exactly the best distance may still hold a tie with a lower id.
+        let end = walk.t.to_bits();
+        while walk.top > 0 {
+            walk.top -= 1;
+            let next = stack[walk.top % STACK];
+            if (next >> 32) as u32 <= end {
+                walk.child = Child::from_bits(next as u32);
+                tree.fetch(walk.child);
+                return true;
+            }
+        }
+        false
+    }
+}
+
+impl<S: Set> ToClosest<'_, S> {
+    #[inline(always)]
+    fn leaf(&self, walk: &mut Walk, i: usize) {
         let blocks = walk.child.blocks();
-        for (index, block) in blocks.clone().zip(&self.blocks[blocks]) {
-            let (mut met, t) = meet::<S>(block, rays, i, walk.t);
+        for (index, block) in blocks.clone().zip(&self.tree.blocks[blocks]) {
+            let (mut met, t) = meet::<S>(block, self.rays, i, walk.t);
             while met != 0 {
                 let lane = met.trailing_zeros() as usize % BLOCK;
                 met &= met - 1;
@@ -155,38 +170,74 @@ impl Tree<'_> {
             }
         }
     }
+}
+
+/// The way to any hit.
+struct ToAny<'a, S> {
+    tree: &'a Tree<'a>,
+    rays: &'a Prepared,
+    set: PhantomData<S>,
+}
+
+impl<S: Set> Steps for ToAny<'_, S> {
+    #[inline(always)]
+    fn step(&self, walk: &mut Walk, stack: &mut Stack, i: usize) -> bool {
+        let tree = self.tree;
+        if walk.child.is_leaf() {
+            for block in &tree.blocks[walk.child.blocks()] {
+                if meet::<S>(block, self.rays, i, walk.t).0 != 0 {
+                    walk.id = 0;
+                    return false;
+                }
+            }
+        } else {
+            let node = &tree.nodes[walk.child.index()];
+            let (_, mut met) = enter::<S>(node, self.rays, i, walk.t);
+            if met != 0 {
+                let first = met.trailing_zeros() as usize % WIDTH;
+                met &= met - 1;
+                while met != 0 {
+                    let slot = met.trailing_zeros() as usize % WIDTH;
+                    met &= met - 1;
+                    let child = node.children[slot];
+                    tree.fetch_any(child);
+                    stack[walk.top % STACK] = child.bits() as u64;
+                    walk.top += 1;
+                }
+                walk.child = node.children[first];
+                tree.fetch(walk.child);
+                return true;
+            }
+        }
+        if walk.top == 0 {
+            return false;
+        }
+        walk.top -= 1;
+        walk.child = Child::from_bits(stack[walk.top % STACK] as u32);
+        tree.fetch(walk.child);
+        true
+    }
+}
+
+impl Tree<'_> {
+    /// The closest hits of the live rays; of hits at equal distance, the one with the lowest id.
+    #[inline(always)]
+    pub fn closest<S: Set>(&self, rays: &Prepared, stacks: &mut Stacks) -> Found {
+        let mut found = Found::default();
+        let steps = ToClosest::<S> { tree: self, rays, set: PhantomData };
+        walk_all(rays, stacks, self.in_turns, &steps, |i, walk| {
+            found.hit |= ((walk.id != u64::MAX) as Mask) << i;
+            found.place[i] = walk.place;
+        });
+        found
+    }
 
     /// The live rays that hit anything.
     #[inline(always)]
     pub fn occluded<S: Set>(&self, rays: &Prepared, stacks: &mut Stacks) -> Mask {
         let mut hit = 0;
-        let step = |walk: &mut Walk, stack: &mut Stack, i: usize| {
-            if walk.child.is_leaf() {
-                for block in &self.blocks[walk.child.blocks()] {
-                    if meet::<S>(block, rays, i, walk.t).0 != 0 {
-                        walk.id = 0;
-                        return false;
-                    }
-                }
-            } else {
-                let node = &self.nodes[walk.child.index()];
-                let (_, mut met) = enter::<S>(node, rays, i, walk.t);
-                while met != 0 {
-                    let slot = met.trailing_zeros() as usize % WIDTH;
-                    met &= met - 1;
-                    stack[walk.top % STACK] = node.children[slot].bits() as u64;
-                    walk.top += 1;
-                }
-            }
-            if walk.top == 0 {
-                return false;
-            }
-            walk.top -= 1;
-            walk.child = Child::from_bits(stack[walk.top % STACK] as u32);
-            self.fetch(walk.child);
-            true
-        };
-        walk_all(rays.live, rays, stacks, self.in_turns, step, |i, walk| {
+        let steps = ToAny::<S> { tree: self, rays, set: PhantomData };
+        walk_all(rays, stacks, self.in_turns, &steps, |i, walk| {
             hit |= ((walk.id != u64::MAX) as Mask) << i;
         });
         hit
@@ -195,9 +246,17 @@ impl Tree<'_> {
     /// Starts loading what a child refers to, if there is time for it before it is needed.
     #[inline(always)]
     fn fetch(&self, child: Child) {
-        if self.in_turns && child.is_leaf() {
+        if self.in_turns {
+            self.fetch_any(child);
+        }
+    }
+
+    /// Starts loading what a child refers to that has to wait for others.
+    #[inline(always)]
+    fn fetch_any(&self, child: Child) {
+        if child.is_leaf() {
             prefetch(&self.blocks[child.blocks().start], 3);
-        } else if self.in_turns {
+        } else {
             prefetch(&self.nodes[child.index()], 4);
         }
     }
@@ -206,7 +265,14 @@ impl Tree<'_> {
 impl Walk {
     /// Goes on with the nearest of the children that are met; pushes the others, the farthest first.
     #[inline(always)]
-    fn descend(&mut self, stack: &mut Stack, node: &Node, near: &[f32; WIDTH], mut met: u32) {
+    fn descend(
+        &mut self,
+        tree: &Tree<'_>,
+        stack: &mut Stack,
+        node: &Node,
+        near: &[f32; WIDTH],
+        mut met: u32,
+    ) {
         let slot = met.trailing_zeros() as usize % WIDTH;
         met &= met - 1;
         if met == 0 {
@@ -219,6 +285,7 @@ impl Walk {
             let slot = met.trailing_zeros() as usize % WIDTH;
             met &= met - 1;
             let other = entry(near[slot], node.children[slot]);
+            tree.fetch_any(node.children[slot]);
             let pushed = nearest.max(other);
             nearest = nearest.min(other);
             // Insertion sort, farthest at the bottom.

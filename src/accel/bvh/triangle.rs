@@ -18,6 +18,7 @@ use super::meeting::Meeting;
 use super::node::{max, min};
 use super::ray::Prepared;
 use crate::math::Vec3;
+use crate::math::isa::Set;
 
 /// Triangles of a block.
 pub const BLOCK: usize = 4;
@@ -71,13 +72,13 @@ impl Block {
 
     /// The triangles that the ray of lane `i` meets on `tmin ..= tmax`, edges and both sides included.
     #[inline(always)]
-    pub fn meet(&self, rays: &Prepared, i: usize, tmax: f32) -> Met {
+    pub fn meet<S: Set>(&self, rays: &Prepared, i: usize, tmax: f32) -> Met {
         let mut candidates = self.candidates(rays, i);
         let (mut met, mut t) = (0, [0.0; BLOCK]);
         while candidates != 0 {
             let lane = candidates.trailing_zeros() as usize;
             candidates &= candidates - 1;
-            if let Some(hit) = self.hit(lane, rays, i, tmax) {
+            if let Some(hit) = self.hit::<S>(lane, rays, i, tmax) {
                 met |= 1 << lane;
                 t[lane] = hit;
             }
@@ -115,8 +116,8 @@ impl Block {
     }
 
     /// The exact answer for a candidate: its distance on `tmin ..= tmax`.
-    fn hit(&self, lane: usize, rays: &Prepared, i: usize, tmax: f32) -> Option<f32> {
-        let met = Meeting::of(self.triangle_at(lane).map(|p| p.to_array()), rays, i);
+    fn hit<S: Set>(&self, lane: usize, rays: &Prepared, i: usize, tmax: f32) -> Option<f32> {
+        let met = Meeting::of::<S>(self.triangle_at(lane).map(|p| p.to_array()), rays, i);
         (met.is && met.t <= tmax).then_some(met.t)
     }
 }

@@ -2,12 +2,13 @@
 
 use super::shape::check;
 use super::*;
+use crate::math::isa::Everywhere;
 
 /// Every triangle tested, in an order of its own: distance and rank of the closest hit.
 fn linear(tree: &Built, rays: &Prepared, i: usize) -> Option<(u32, u64)> {
     let mut best: Option<(f32, u64)> = None;
     for block in tree.blocks.iter().rev() {
-        let (met, t) = block.meet(rays, i, rays.tmax[i]);
+        let (met, t) = block.meet::<Everywhere>(rays, i, rays.tmax[i]);
         for lane in (0..4).filter(|lane| met >> lane & 1 == 1) {
             let hit = (t[lane], rank(block.ids(lane)));
             if best.is_none_or(|b| hit < b) {
@@ -51,7 +52,7 @@ fn ask_in_every_way(tree: &Built, few: Option<&Few>, rays: &Rays) -> u32 {
     for ((few, in_turns), isa) in ways.into_iter().flat_map(|way| Isa::ALL.map(|isa| (way, isa))) {
         let view = Tree { nodes: &tree.nodes, blocks: &tree.blocks, in_turns };
         let (found, any) = isa::run(isa, Ask { tree: view, few, rays, prepared: &prepared });
-        let meetings = Meetings::of(&view, &found.place, &prepared);
+        let meetings = Meetings::of::<Everywhere>(&view, &found.place, &prepared);
         for (i, expected) in expected.iter().enumerate() {
             let hit = found.hit >> i & 1 == 1;
             let got = hit.then(|| (meetings.t[i].to_bits(), rank(view.ids(found.place[i]))));
@@ -180,7 +181,7 @@ fn splits_in_space_never_change_an_answer() {
             let ask = Ask { tree, few: None, rays: &rays, prepared: &prepared };
             let (found, any) = isa::run(Isa::Avx512, ask);
             assert_eq!(found.hit, any);
-            let meetings = Meetings::of(&tree, &found.place, &prepared);
+            let meetings = Meetings::of::<Everywhere>(&tree, &found.place, &prepared);
             let answer = |i: usize| (meetings.t[i].to_bits(), tree.ids(found.place[i]));
             [0; LANES].map({
                 let mut lane = 0..LANES;
