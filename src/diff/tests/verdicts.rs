@@ -66,7 +66,7 @@ fn edges_along_the_ray_leave_more_of_a_choice() {
         court.blocked(&chunk.rays, 0, pair).map(|f| (f.class, f.wrong))
     };
     let o = Vec3::new(40.790_42, 23.224_88, 0.048_531_532);
-    let d = Vec3::new(-0.209_514_62, -0.083_791_167, 0.123_210_02);
+    let d = Vec3::new(-0.209_514_62, -0.083_791_17, 0.123_210_02);
     assert_eq!(judge((o, d), [false, true]), Some((Class::Graze, [false; 2])));
     let [a, b, c] = corners.map(Vec3::from);
     let normal = (b - a).cross(c - a).normalize();
