@@ -124,7 +124,6 @@ impl Embree {
             Geometry::Shared(shared) => shared.longest(),
             Geometry::Merged(merged) => merged.longest(),
         };
-        meshes.iter().zip(&longest).try_for_each(|(mesh, longest)| check_range(mesh, *longest))?;
         let width = Width::native(&device);
         Ok(Embree {
             scene,
@@ -206,26 +205,6 @@ impl Triangles for Embree {
         let _ = self.trace(rays.check(active), Coherence::Incoherent, &mut hits);
         Some(hits)
     }
-}
-
-/// Embree takes distances from v·(e×e), v a corner's offset and e the edges, and finds its triangles at infinity where
-/// that leaves the range of f32: it takes the wrong one of two, silently. Of 16 times there is a factor of 2 for the
-/// normal, and one of 8 for rays from far away.
-fn check_range(mesh: &Mesh, longest: f32) -> Result<()> {
-    let square = 16.0 * f64::from(longest).powi(2);
-    // Coordinates are below 1e18: most meshes need no look at all of them.
-    if square * 1e18 <= f64::from(f32::MAX) {
-        return Ok(());
-    }
-    let bounds = mesh.bounds();
-    let farthest = f64::from(bounds.min.abs().max(bounds.max.abs()).max_element());
-    if square * farthest <= f64::from(f32::MAX) {
-        return Ok(());
-    }
-    Err(Error::new(format!(
-        "coordinates up to {farthest:.1e} with edges of {longest:.1e} are beyond what Embree can compute with"
-    ))
-    .advise("use the backend \"bvh\" (--backend bvh), or larger units, so that coordinates stay below 1e12"))
 }
 
 /// Embree addresses vertices by 32-bit numbers of 4-byte words, so a buffer ends at 16 GiB; ids have 32

@@ -377,30 +377,6 @@ fn buffers_beyond_the_limits_are_refused_with_numbers() {
     assert!(check_limits(0, 10, u64::from(u32::MAX)).unwrap_err().message.contains("4294967295"));
 }
 
-/// Beyond it Embree finds its triangles at infinity; up to it at the right place.
-#[test]
-fn coordinates_beyond_embrees_range_are_refused() {
-    for (scale, fits) in [(1.0, true), (1e12, true), (1e13, false), (1e15, false), (9e17, false)] {
-        let positions = vec![[0.0; 3], [scale, 0.0, 0.0], [0.0, scale, 0.0]];
-        let meshes = [Arc::new(Mesh::new(positions, vec![[0, 1, 2]]))];
-        match Embree::build(&meshes, &BuildOptions::default()) {
-            Err(error) => assert!(!fits && error.advice.is_some_and(|a| a.contains("bvh")), "{scale}"),
-            Ok(built) => {
-                let mut rays = Rays::default();
-                rays.set(0, Vec3::new(0.2, 0.2, 2.0) * scale, -Vec3::Z, 0.0, f32::INFINITY);
-                let mut hits = Hits::default();
-                built.closest(rays.check(1), Coherence::Incoherent, &mut hits);
-                assert!(fits && (hits.t[0] / scale - 2.0).abs() < 1e-6, "{scale}: {}", hits.t[0]);
-            }
-        }
-    }
-    // Small triangles far away lose digits and nothing else.
-    let positions = vec![[1e17, 0.0, 0.0], [1e17, 1e7, 0.0], [1e17, 0.0, 1e7]];
-    assert!(
-        Embree::build(&[Arc::new(Mesh::new(positions, vec![[0, 1, 2]]))], &BuildOptions::default()).is_ok()
-    );
-}
-
 #[test]
 fn an_instruction_set_that_is_missing_is_an_error() {
     if Isa::best() < Isa::Avx512 {
