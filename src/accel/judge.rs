@@ -25,6 +25,13 @@ pub const PLANE: f64 = 8.0;
 /// two sheared components carry up to 6·2⁻²⁴ of it each, √2·6 ε·W together; twice that for two backends.
 pub const ACROSS: f64 = 16.0;
 
+/// What an edge that runs along the ray adds. A backend that takes the side of an edge e from d·(e × s), s the sum of its
+/// ends' offsets from the ray's origin (Plücker coordinates; Embree's robust test), rounds each product by up to
+/// 2⁻²⁴·|e|·|s|, √2·ε·|d|·|e|·|s| together, where the exact value is 2·|d|·|e⊥|·inset, e⊥ the edge as the ray sees it:
+/// in units of length, that is this times ε·|v|·|e|/|e⊥|, v the farther end's offset. At right angles it is covered by
+/// [`ACROSS`]; an edge at a degree to the ray may well seem displaced by a hundred ε·W.
+const ALONG: f64 = std::f64::consts::SQRT_2;
+
 /// One backend's hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
@@ -90,6 +97,9 @@ pub(crate) struct Seen {
     pub(crate) aspect: f64,
     /// Distance of the nearest corner from the ray's line.
     pub(crate) corner: f64,
+    /// How far across the ray an edge may be displaced: [`ACROSS`] ε·W, or more where one runs along the ray
+    /// ([`ALONG`]).
+    pub(crate) reach: f64,
 }
 
 impl Seen {
@@ -105,7 +115,12 @@ impl Seen {
         let aspect = diameter / (height * measure.cos);
         let off = |p: DVec3| (p - ray.o).cross(ray.d).length() / ray.d.length();
         let corner = off(a).min(off(b)).min(off(c));
-        Some(Seen { measure, unit, plane, diameter, aspect, corner })
+        let farthest = [a, b, c].iter().map(|p| p.distance(ray.o)).fold(0.0, f64::max);
+        // |e|/|e⊥| of the edge most along the ray.
+        let lean = |e: DVec3| e.length() * ray.d.length() / e.cross(ray.d).length();
+        let lean = lean(b - a).max(lean(c - b)).max(lean(a - c));
+        let reach = (ACROSS * unit).max(ALONG * f64::from(f32::EPSILON) * farthest * lean);
+        Some(Seen { measure, unit, plane, diameter, aspect, corner, reach })
     }
 
     pub(crate) fn grazes(&self) -> bool {
@@ -118,11 +133,16 @@ impl Seen {
     }
 
     pub(crate) fn at_border(&self) -> bool {
-        self.measure.inset.abs() <= ACROSS * self.unit
+        self.measure.inset.abs() <= self.reach
     }
 
     pub(crate) fn outside(&self) -> bool {
-        self.measure.inset < -ACROSS * self.unit
+        self.measure.inset < -self.reach
+    }
+
+    /// At its border only because an edge runs along the ray.
+    pub(crate) fn leans(&self) -> bool {
+        self.at_border() && self.measure.inset.abs() > ACROSS * self.unit
     }
 
     /// Within rounding of the interval's start or end.

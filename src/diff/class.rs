@@ -9,7 +9,8 @@ pub enum Class {
     Edge,
     /// The ray passes a vertex within rounding.
     Vertex,
-    /// The ray runs along the triangle, within rounding of its plane over its whole size.
+    /// The ray runs along the triangle, within rounding of its plane over its whole size, or nearly along one of its edges,
+    /// so that rounding displaces that edge farther than others.
     Graze,
     /// The triangle, as the ray sees it, is no wider than rounding.
     Sliver,

@@ -79,11 +79,14 @@ impl Court {
             return None;
         }
         let ray = Ray64::of(rays, lane);
+        let best = |near: &[Near]| {
+            let reasons = near.iter().filter(|n| n.seen.grazes() || is_on_interval(&ray, &n.seen));
+            reasons.max_by(|x, y| x.seen.measure.inset.total_cmp(&y.seen.measure.inset)).copied()
+        };
         let near = self.scan.near(&ray);
-        let reasons = near.iter().filter(|n| n.seen.grazes() || is_on_interval(&ray, &n.seen));
-        let best = reasons.max_by(|x, y| x.seen.measure.inset.total_cmp(&y.seen.measure.inset));
         let is_clear = near.iter().any(|n| is_clear(&ray, &n.seen));
-        match best {
+        // What is seen nearly edge-on is met from farther away.
+        match best(&near).or_else(|| best(&self.scan.around(&ray))) {
             Some(best) if !is_clear => Some(self.name(&ray, &[Some(best.seen)])),
             _ => Some(Finding { class: Class::Real, leak: false, wrong: pair.map(|says| says != is_clear) }),
         }
@@ -162,7 +165,8 @@ impl Court {
             (Some(a), _) => a.at_an_end(ray),
             (None, _) => false,
         };
-        let class = if named.iter().any(|seen| seen.is_none_or(|seen| seen.grazes())) {
+        let runs_along = |seen: &Seen| seen.grazes() || seen.leans() && !is_tie;
+        let class = if named.iter().any(|seen| seen.is_none_or(|seen| runs_along(&seen))) {
             Class::Graze
         } else if all().any(|seen| seen.diameter <= 2.0 * ACROSS * seen.unit * seen.aspect) {
             Class::Sliver
@@ -210,6 +214,6 @@ fn is_on_interval(ray: &Ray64, seen: &Seen) -> bool {
 
 /// Met without any doubt.
 fn is_clear(ray: &Ray64, seen: &Seen) -> bool {
-    let inside = seen.measure.inset > ACROSS * seen.unit && !seen.grazes();
+    let inside = seen.measure.inset > seen.reach && !seen.grazes();
     inside && ray.tmin <= seen.measure.t && seen.measure.t <= ray.tmax && !seen.at_an_end(ray)
 }

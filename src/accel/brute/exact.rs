@@ -22,7 +22,8 @@ pub fn volume(d: DVec3, o: DVec3, p: DVec3, q: DVec3) -> f64 {
     let (x, y) = (a.abs(), b.abs());
     let magnitude =
         d.abs().dot(DVec3::new(x.y * y.z + x.z * y.y, x.z * y.x + x.x * y.z, x.x * y.y + x.y * y.x));
-    if rough.abs() > BOUND * magnitude || ![d, o, p, q].into_iter().all(is_f32) {
+    // Where no product is left, none was lost: a difference of two f32 numbers is 0 where they are equal only.
+    if rough.abs() > BOUND * magnitude || magnitude == 0.0 || ![d, o, p, q].into_iter().all(is_f32) {
         return rough;
     }
     exact(d, o, p, q)
@@ -69,6 +70,9 @@ impl Expansion {
 
     /// Shewchuk's Grow-Expansion without zeros. Thirty-six additions fill the array at most.
     fn add(&mut self, x: f64) {
+        if x == 0.0 {
+            return;
+        }
         let (mut carry, mut kept) = (x, 0);
         for i in 0..self.len {
             let (sum, rest) = two_sum(carry, self.parts[i]);

@@ -2,7 +2,7 @@
 
 use super::aim::Aimed;
 use super::beside::is_edge_on;
-use super::{ROUNDINGS, Triangles, rounding};
+use super::{FARTHEST, ROUNDINGS, Triangles, rounding};
 use crate::accel::brute::{Measure, Ray64};
 use crate::math::DVec3;
 
@@ -55,6 +55,9 @@ pub(super) fn around(triangles: &impl Triangles, ray: &Ray64, corners: &[DVec3; 
     let [u, v] = uv.map(|w| f64::from(w.clamp(0.0, 1.0)));
     let scale = 1.0 / (u + v).max(1.0);
     let point = a + ((b - a) * u + (c - a) * v) * scale;
+    // Who is met is within this of the ray, up to the hit: a ray that was moved, or a hit of another triangle.
+    let reach = |corners: &[DVec3; 3]| 2.0 * FARTHEST * rounding(ray, corners);
+    let own_reach = reach(corners);
     // The query's centre is rounded to f32.
     let radius = along + across + 2.0 * f64::from(f32::EPSILON) * point.abs().max_element();
     let mut found = Vec::new();
@@ -62,7 +65,10 @@ pub(super) fn around(triangles: &impl Triangles, ray: &Ray64, corners: &[DVec3; 
         // Which others share a leaf, and of which parts of a triangle the tree keeps boxes, is the tree's affair;
         // the answer is not. One that comes twice is no other triangle.
         let corners = corners.map(|p| p.as_dvec3());
-        if meets_cube(corners.map(|p| p - point), radius) {
+        // Along a large triangle the cube is as large, and the ray passes most of what is in it.
+        if comes_near(ray, &corners, own_reach.max(reach(&corners)))
+            && meets_cube(corners.map(|p| p - point), radius)
+        {
             found.push(Candidate { ids, corners });
         }
     });
@@ -120,6 +126,17 @@ pub(super) fn hiding(ray: &Ray64, aimed: &Aimed, found: &Candidate, around: &Aro
     let nearest =
         around.triangles.iter().filter(|other| other.ids != found.ids).filter_map(met).min_by(order)?;
     Some(nearest.1)
+}
+
+/// Whether the ray's line comes within `reach` of a triangle's box: seen along the ray, that is a hexagon, passed outside
+/// of one of its three pairs of sides or not at all.
+fn comes_near(ray: &Ray64, [a, b, c]: &[DVec3; 3], reach: f64) -> bool {
+    let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
+    let (off, half) = (((low + high) * 0.5 - ray.o).cross(ray.d).abs(), (high - low) * 0.5 + reach);
+    let d = ray.d.abs();
+    off.x <= half.y * d.z + half.z * d.y
+        && off.y <= half.z * d.x + half.x * d.z
+        && off.z <= half.x * d.y + half.y * d.x
 }
 
 /// Whether a triangle reaches into the cube of that half side around the origin: it does when none of the axes that
