@@ -48,7 +48,7 @@ pub struct Rendering {
 /// Builds the acceleration structure that `settings` ask for. `isa`: pins the instruction set.
 ///
 /// # Errors
-/// Out of memory, a backend's own error, or [`crate::accel::cancelled`].
+/// Out of memory, coordinates beyond the backend's range, its own error, or [`crate::accel::cancelled`].
 pub fn build(
     scene: &Scene,
     settings: &Settings,
@@ -67,6 +67,7 @@ pub fn build(
         threads: rayon::current_num_threads(),
         progress: &progress,
     };
+    settings.backend.check_range(&scene.meshes)?;
     settings.backend.build(&scene.meshes, &options)
 }
 

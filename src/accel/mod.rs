@@ -358,6 +358,22 @@ impl Backend {
         }
     }
 
+    /// Refuses meshes with coordinates that the backend would silently compute wrongly with. The BVH takes all that there
+    /// are; Embree those of up to 1e12, and larger ones where the triangles are small.
+    ///
+    /// # Errors
+    /// Names the sizes, and the backend that can.
+    pub fn check_range(
+        self,
+        #[cfg_attr(not(feature = "embree"), allow(unused))] meshes: &[Arc<Mesh>],
+    ) -> Result<()> {
+        match self {
+            #[cfg(feature = "embree")]
+            Backend::Embree => embree::range::check(meshes),
+            Backend::Bvh => Ok(()),
+        }
+    }
+
     /// Builds the structure over `meshes`; a hit names a mesh by its index here.
     pub fn build(self, meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Box<dyn Intersector>> {
         match self {

@@ -45,6 +45,25 @@ fn n2_extreme_materials_give_no_invalid_sample() {
     }
 }
 
+/// Beyond Embree's range a render is refused before it is wrong; our own BVH takes all that the reader takes.
+#[test]
+fn n1_what_embree_cannot_compute_with_is_refused() {
+    let folder = folder();
+    let dir = folder.path();
+    let mesh = |size: &str| format!("v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nf 1 2 3\n");
+    for (size, in_range) in [("1e12", true), ("1e15", false), ("9e17", false)] {
+        fs::write(dir.join("large.obj"), mesh(size)).unwrap();
+        for backend in drt::accel::Backend::ALL {
+            let words = ["large.obj", "--spp", "1", "--size", "16x16", "--backend", backend.name()];
+            let ended = Run::new(dir, &words).check();
+            match in_range || backend.name() == "bvh" {
+                true => ended.expect(0, &[]),
+                false => ended.expect(1, &["--backend bvh"]),
+            };
+        }
+    }
+}
+
 /// A lamp of radiance 10⁶ is that bright in the picture, and the mean does not depend on the samples: nothing is
 /// clamped.
 #[test]

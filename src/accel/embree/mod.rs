@@ -23,6 +23,7 @@ mod doubt;
 pub mod memory;
 mod merged;
 mod near;
+pub mod range;
 mod scene;
 mod shared;
 mod trace;
