@@ -60,7 +60,7 @@ impl BinaryTree {
     /// An empty one, for the references of `whole`.
     pub fn new(whole: &Group) -> BinaryTree {
         let area = whole.bounds.half_area();
-        let unit = if area > 0.0 { 1.0 / area } else { 1.0 };
+        let unit = if area > 0.0 && area.is_finite() { 1.0 / area } else { 1.0 };
         BinaryTree { nodes: Vec::with_capacity(whole.len + 2), unit }
     }
 
@@ -98,6 +98,8 @@ impl BinaryTree {
     fn weigh(&mut self, index: usize) {
         let node = &self.nodes[index];
         let area = (node.bounds.half_area() * self.unit) as f32;
+        // A box larger than f32's range counts as the root: costs are finite, so that there always is a least one.
+        let area = if area.is_finite() { area } else { 1.0 };
         let fits = node.len() <= Child::MAX_BLOCKS * BLOCK && node.is_solid;
         let as_leaf = if fits { area * blocks(node.len()) as f32 } else { f32::INFINITY };
         let (mut cost, mut first) = ([0.0; WIDTH - 1], [0; WIDTH]);
