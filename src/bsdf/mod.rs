@@ -12,6 +12,7 @@ pub mod dielectric;
 pub mod diffuse;
 pub mod fresnel;
 pub mod ggx;
+mod maps;
 pub mod mirror;
 pub mod parameter;
 pub mod phong;
@@ -20,12 +21,14 @@ pub mod translucent;
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use maps::{Map, Maps};
 pub use mirror::Mirror;
 pub use parameter::Parameter;
 pub use phong::Phong;
 pub use translucent::Translucent;
 
 use crate::math::{Rgb, Vec3};
+use std::sync::Arc;
 
 /// A direction chosen by [`Scatter::sample`].
 #[derive(Clone, Copy, Debug)]
@@ -171,6 +174,8 @@ pub struct Material {
     pub emission: Rgb,
     /// False: only the side that `ng` points to scatters and emits; the other is black.
     pub two_sided: bool,
+    /// What changes over the surface; `None` where nothing does.
+    pub maps: Option<Arc<Maps>>,
 }
 
 impl Material {
@@ -181,6 +186,7 @@ impl Material {
             bsdf: Bsdf::Diffuse(Diffuse { reflectance }),
             emission: Rgb::ZERO,
             two_sided: true,
+            maps: None,
         }
     }
 }

@@ -66,6 +66,6 @@ impl MaterialSpec {
                 Bsdf::Translucent(Translucent::new(reflectance, transmittance))
             }
         };
-        Material { name: self.name, bsdf, emission: self.emission, two_sided: self.two_sided }
+        Material { name: self.name, bsdf, emission: self.emission, two_sided: self.two_sided, maps: None }
     }
 }
