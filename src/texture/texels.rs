@@ -95,9 +95,9 @@ impl Texels {
             }
     }
 
-    /// Every texel as it is stored, codes as shares of the largest one.
-    pub(super) fn raw(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
-        let decoder = Decoder::new(Transfer::Linear, self);
+    /// Every texel as linear RGB and alpha, row by row from the top left.
+    pub fn pixels(&self, transfer: Transfer) -> impl Iterator<Item = [f32; 4]> + '_ {
+        let decoder = Decoder::new(transfer, self);
         (0..self.width as usize * self.height as usize).map(move |i| self.get(i, &decoder))
     }
 
