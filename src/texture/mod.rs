@@ -17,7 +17,7 @@ pub use opacity::Opacity;
 pub use relief::{Relief, Shape, Tangents};
 pub use texels::{Data, Texels, Transfer};
 
-use crate::math::{Rgb, Vec2, luminance};
+use crate::math::{DVec3, Rgb, Vec2, luminance};
 use std::sync::Arc;
 use texels::Decoder;
 
@@ -143,9 +143,36 @@ impl Texture {
         }
     }
 
+    /// The same pictures; where no channel was asked for, `channel`.
+    #[must_use]
+    pub fn with_channel(mut self, channel: Channel) -> Texture {
+        self.mapping.channel.get_or_insert(channel);
+        self
+    }
+
+    /// The mean colour of its pictures.
+    pub fn mean(&self) -> Rgb {
+        let mut sum = DVec3::ZERO;
+        let mut count = 0u64;
+        let mut add = |texels: &Texels| {
+            for texel in texels.pixels(self.mapping.transfer) {
+                sum += self.value(texel).as_dvec3();
+                count += 1;
+            }
+        };
+        match &self.pictures {
+            Pictures::One(texels) => add(texels),
+            Pictures::Tiles(tiles) => tiles.iter().for_each(|tile| add(&tile.1)),
+        }
+        (sum / count.max(1) as f64).as_vec3()
+    }
+
     /// The colour at `uv`; a single channel as grey.
     pub fn rgb(&self, uv: Vec2) -> Rgb {
-        let Some(texel) = self.texel(uv) else { return self.absent };
+        self.texel(uv).map_or(self.absent, |texel| self.value(texel))
+    }
+
+    fn value(&self, texel: [f32; 4]) -> Rgb {
         let value = match self.mapping.channel {
             None => Rgb::new(texel[0], texel[1], texel[2]),
             Some(channel) => Rgb::splat(one(texel, channel)),
