@@ -25,8 +25,8 @@ impl Map {
     }
 }
 
-/// Everything that changes over a surface. Where a triangle has no texture coordinates, the material's constants
-/// hold.
+/// Everything that changes over a surface. All its triangles have texture coordinates, unless nothing but a constant
+/// opacity is here.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Maps {
     /// Of the BSDF.
@@ -48,14 +48,18 @@ impl Maps {
     }
 
     /// `plain` as it is at texture coordinates `uv`.
-    pub fn applied<B: Scatter + Clone>(&self, plain: &B, uv: Option<Vec2>) -> B {
+    pub fn applied<B: Scatter + Clone>(&self, plain: &B, uv: Vec2) -> B {
         let mut bsdf = plain.clone();
-        if let Some(uv) = uv {
-            self.each(uv, |parameter, value| {
-                bsdf.set(parameter, value);
-            });
-        }
+        self.each(uv, |parameter, value| {
+            bsdf.set(parameter, value);
+        });
         bsdf
+    }
+
+    /// True when something depends on texture coordinates.
+    pub fn have_pictures(&self) -> bool {
+        let hides = self.opacity.as_ref().is_some_and(|opacity| opacity.texture.is_some());
+        hides || !self.parameters.is_empty() || self.emission.is_some() || self.relief.is_some()
     }
 
     /// The shading normal at a point of a triangle.

@@ -48,7 +48,12 @@ impl<'a> Context<'a> {
     /// # Errors
     /// A camera that cannot be, or a grid of pixel points without a weight.
     pub fn new(scene: &'a Scene, settings: &Settings) -> Result<Context<'a>> {
-        let emission = |m: &Material| Emission { radiance: m.emission, two_sided: m.two_sided };
+        let emission = |m: &Material| Emission {
+            radiance: m.emission,
+            two_sided: m.two_sided,
+            texture: m.maps.as_ref().and_then(|maps| maps.emission.clone()),
+            opacity: m.maps.as_ref().and_then(|maps| maps.opacity.clone()),
+        };
         let bounds = scene.bounds();
         let lights = Lights::new(
             &scene.meshes,

@@ -287,7 +287,7 @@ impl Wave {
             let bsdf = match &material.maps {
                 None => plain,
                 Some(maps) => {
-                    textured = maps.applied(plain, uv_of(job.cx, &v, ids));
+                    textured = maps.applied(plain, v.surface.uv);
                     &textured
                 }
             };
@@ -380,18 +380,11 @@ fn camera_ray(cx: &Context<'_>, x: u32, y: u32, key: Key) -> (Ray, f32) {
     (Ray { o: ray.o, d: ray.d, tmax: f32::INFINITY }, weight)
 }
 
-/// The texture coordinates of a vertex, where its triangle has some.
-fn uv_of(cx: &Context<'_>, v: &Vertex, [mesh, triangle, _]: [u32; 3]) -> Option<Vec2> {
-    cx.meshes[mesh as usize].triangle_uvs(triangle as usize).map(|_| v.surface.uv)
-}
-
 fn first_hit(cx: &Context<'_>, v: &Vertex, ids: [u32; 3]) -> FirstHit {
     let material = &cx.materials[v.material as usize];
     let mut bsdf = material.bsdf.clone();
-    if let Some(maps) = &material.maps
-        && let Some(uv) = uv_of(cx, v, ids)
-    {
-        maps.each(uv, |parameter, value| {
+    if let Some(maps) = &material.maps {
+        maps.each(v.surface.uv, |parameter, value| {
             bsdf.set(parameter, value);
         });
     }

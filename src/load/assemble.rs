@@ -78,7 +78,9 @@ pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) 
     let forward = camera.look_at - camera.position;
     let lights = plan.lights.iter().filter_map(|light| place_light(light, origin, up, forward)).collect();
     let job = texture::Job { most_bytes: options.max_texture_bytes, progress: options.progress };
-    let materials = texture::build(palette.specs(), &job, &mut findings)?;
+    let specs = palette.specs();
+    let textures = texture::StatedTexture::of(&specs, input);
+    let materials = texture::build(&specs, &mut meshes, &job, &mut findings)?;
     let scene = Scene { origin, meshes, materials, lights, camera };
     crate::camera::Camera::new(&scene.camera, scene.origin).map_err(|e| e.at(input))?;
     if is_dark(&scene)
@@ -94,7 +96,8 @@ pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) 
         });
     }
     let files = files.paths;
-    Ok(Loaded { scene, settings: plan.settings, findings, skipped_faces, triangles, files, mesh_files })
+    let settings = plan.settings;
+    Ok(Loaded { scene, settings, findings, skipped_faces, triangles, files, mesh_files, textures })
 }
 
 /// The distinct files, and which of them each mesh is in.

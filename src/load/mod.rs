@@ -19,7 +19,7 @@ pub mod open;
 pub mod picture;
 mod place;
 mod scene_file;
-mod texture;
+pub(crate) mod texture;
 
 pub use scene_file::Override;
 
@@ -78,6 +78,8 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
     /// How many of `files` are mesh files; they come first.
     pub mesh_files: usize,
+    /// The textures that the scene file states itself.
+    pub(crate) textures: Vec<texture::StatedTexture>,
 }
 
 /// The error of a reading that its progress callback cancelled.

@@ -1,11 +1,13 @@
 //! Materials with their pictures on.
 
+use super::bare;
 use super::pictures::{self, Pictures};
 use super::{MapSpec, Slot, Source};
 use crate::bsdf::{Map, Maps, Material, Parameter};
 use crate::error::{Findings, Result};
 use crate::load::materials::MaterialSpec;
 use crate::math::Rgb;
+use crate::shape::Mesh;
 use crate::texture::{Channel, Opacity, Relief, Shape, Texels, Texture, Transfer};
 use std::sync::Arc;
 
@@ -17,25 +19,34 @@ pub(crate) struct Job<'a> {
     pub progress: &'a (dyn Fn(f64) -> bool + Sync),
 }
 
-/// The materials that `specs` describe, with every picture that can be shown.
+/// The materials that `specs` describe, with every picture that can be shown. Triangles of `meshes` without texture
+/// coordinates get materials of their own, which have constants instead.
 ///
 /// # Errors
 /// Cancelled.
-pub(crate) fn build(specs: Vec<MaterialSpec>, job: &Job<'_>, findings: &mut Findings) -> Result<Vec<Material>> {
+pub(crate) fn build(
+    specs: &[MaterialSpec],
+    meshes: &mut [Arc<Mesh>],
+    job: &Job<'_>,
+    findings: &mut Findings,
+) -> Result<Vec<Material>> {
     let maps = specs.iter().flat_map(|spec| &spec.maps);
     let pictures = pictures::load(maps, job.most_bytes, job.progress, findings)?;
-    Ok(specs.into_iter().map(|spec| material(spec, &pictures)).collect())
+    let mut materials: Vec<Material> = specs.iter().map(|spec| material(spec, Some(&pictures))).collect();
+    bare::separate(specs, meshes, &mut materials, findings);
+    Ok(materials)
 }
 
-fn material(spec: MaterialSpec, pictures: &Pictures) -> Material {
-    let (specs, opacity) = (spec.maps.clone(), spec.opacity);
-    let mut material = spec.build();
+/// The material that `spec` describes; without pictures, the constants in their place.
+pub(super) fn material(spec: &MaterialSpec, pictures: Option<&Pictures>) -> Material {
+    let opacity = spec.opacity;
+    let mut material = spec.clone().build();
     let mut maps = Maps::default();
     if opacity < 1.0 {
         maps.opacity = Some(Opacity { constant: opacity, texture: None });
     }
-    for spec in &specs {
-        match texture(spec, pictures) {
+    for spec in &spec.maps {
+        match pictures.and_then(|pictures| texture(spec, pictures)) {
             Some(texture) => lay(spec, texture, opacity, &mut maps, &mut material),
             None => do_without(spec, &mut material),
         }

@@ -4,6 +4,7 @@
 //! and the scene file's reader); when all materials are known, every picture is decoded once ([`pictures`]) and laid
 //! on them ([`build`]). What cannot be shown is a warning, and a constant takes its place.
 
+mod bare;
 mod build;
 mod mtl;
 mod pictures;
@@ -12,12 +13,13 @@ mod source;
 pub(crate) use build::{Job, build};
 pub(crate) use mtl::{Search, of_mtl};
 pub(crate) use pictures::MOST_BYTES;
-pub(crate) use source::{Source, is_set};
+pub(crate) use source::Source;
 
+use super::materials::MaterialSpec;
 use crate::bsdf::Parameter;
 use crate::math::Rgb;
 use crate::texture::Mapping;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A picture for one part of a material.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,4 +76,35 @@ pub(crate) struct Stated {
     pub line: u64,
     /// Whose it is: `material "wood": map_Kd`, `materials.wood.reflectance`.
     pub title: String,
+}
+
+/// A texture that a scene file states, for `drt check`.
+#[derive(Clone, Debug)]
+pub(crate) struct StatedTexture {
+    /// The scene file.
+    pub file: PathBuf,
+    /// Its line.
+    pub line: u64,
+    /// The material's name.
+    pub material: String,
+    /// The material's key.
+    pub key: &'static str,
+    /// The pictures, there or not.
+    pub source: Source,
+}
+
+impl StatedTexture {
+    /// Those of `specs` that `file` states.
+    pub fn of(specs: &[MaterialSpec], file: &Path) -> Vec<StatedTexture> {
+        let own = specs.iter().flat_map(|spec| spec.maps.iter().map(move |map| (spec, map)));
+        own.filter(|(_, map)| map.stated.file == file)
+            .map(|(spec, map)| StatedTexture {
+                file: file.to_path_buf(),
+                line: map.stated.line,
+                material: spec.name.clone(),
+                key: map.slot.key(),
+                source: map.source.clone(),
+            })
+            .collect()
+    }
 }

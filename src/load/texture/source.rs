@@ -42,11 +42,6 @@ impl Source {
 
 const TOKEN: &[u8] = b"<UDIM>";
 
-/// True for the name of a UDIM set.
-pub(crate) fn is_set(name: &[u8]) -> bool {
-    token(name).is_some()
-}
-
 fn token(name: &[u8]) -> Option<usize> {
     name.windows(TOKEN.len()).position(|word| word.eq_ignore_ascii_case(TOKEN))
 }
