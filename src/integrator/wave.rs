@@ -339,8 +339,7 @@ impl Wave {
                 slots[slot(lane)].radiance += shadows.beta(chunk, lane).as_dvec3();
             });
             if job.cx.has_cutouts && open & blocked != 0 {
-                let (share, traced) =
-                    cutout::transmittance(job.cx, job.accel, rays.rays(), open & blocked);
+                let (share, traced) = cutout::transmittance(job.cx, job.accel, rays.rays(), open & blocked);
                 self.stats.shadow_rays += traced;
                 for_lanes(open & blocked, |lane| {
                     let passed = shadows.beta(chunk, lane).as_dvec3() * f64::from(share[lane]);

@@ -52,7 +52,14 @@ impl MaterialSpec {
     /// A two-sided diffuse material that emits nothing.
     pub fn diffuse(name: impl Into<String>, reflectance: Rgb) -> Self {
         let model = Model::Diffuse { reflectance };
-        MaterialSpec { name: name.into(), model, emission: Rgb::ZERO, two_sided: true, opacity: 1.0, maps: Vec::new() }
+        MaterialSpec {
+            name: name.into(),
+            model,
+            emission: Rgb::ZERO,
+            two_sided: true,
+            opacity: 1.0,
+            maps: Vec::new(),
+        }
     }
 
     /// The material that is rendered, before its pictures and holes are put on.
