@@ -51,8 +51,8 @@ impl<'a> Context<'a> {
         let emission = |m: &Material| Emission {
             radiance: m.emission,
             two_sided: m.two_sided,
-            texture: m.maps.as_ref().and_then(|maps| maps.emission.clone()),
-            opacity: m.maps.as_ref().and_then(|maps| maps.opacity.clone()),
+            texture: m.maps.as_ref().and_then(|maps| maps.emission.clone()).map(Box::new),
+            opacity: m.maps.as_ref().and_then(|maps| maps.opacity.clone()).map(Box::new),
         };
         let bounds = scene.bounds();
         let lights = Lights::new(

@@ -17,9 +17,9 @@ pub struct Emission {
     /// True: from both sides; false: from the side `ng` points to.
     pub two_sided: bool,
     /// Radiance as a picture.
-    pub texture: Option<Texture>,
+    pub texture: Option<Box<Texture>>,
     /// Where the surface is there. A ray that meets a hole goes on; a light sample must count what is there.
-    pub opacity: Option<Opacity>,
+    pub opacity: Option<Box<Opacity>>,
 }
 
 impl Emission {
