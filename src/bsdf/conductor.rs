@@ -1,7 +1,7 @@
 //! Metals: GGX microfacets that reflect with a constant or a measured reflectance.
 
 use super::fresnel::Reflectance;
-use super::{Delta, Sample, Scatter, View, ggx, reflect};
+use super::{Delta, Parameter, Sample, Scatter, View, ggx, reflect};
 use crate::math::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::math::{Rgb, Vec3};
 
@@ -12,6 +12,8 @@ const SMOOTH: f32 = 1e-4;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductor {
     reflectance: Reflectance,
+    /// The reflectance's average over the hemisphere.
+    average: Rgb,
     alpha: f32,
     /// Give back the energy that light scattered more than once between facets carries.
     compensate: bool,
@@ -23,16 +25,32 @@ impl Conductor {
     /// A metal with GGX width `alpha` = roughness², 0 (a mirror) to 1. `compensate` adds the light that
     /// single scattering loses, so that a perfectly reflecting metal reflects everything.
     pub fn new(reflectance: Reflectance, alpha: f32, compensate: bool) -> Conductor {
-        let compensate = compensate && alpha >= SMOOTH;
-        let multiple = if compensate {
-            let e = ggx::energy().average(alpha);
-            let f = reflectance.average();
+        let average = reflectance.average();
+        let mut metal = Conductor { reflectance, average, alpha, compensate, multiple: Rgb::ZERO };
+        metal.balance();
+        metal
+    }
+
+    /// Sets what depends on the other numbers.
+    #[inline(always)]
+    fn balance(&mut self) {
+        if self.compensates() {
+            let e = ggx::energy().average(self.alpha);
+            let f = self.average;
             // F_ms = F²·E_avg / (1 − F·(1 − E_avg)): light that was scattered twice or more.
-            f * f * e / ((Rgb::ONE - f * (1.0 - e)) * (1.0 - e).max(1e-6))
-        } else {
-            Rgb::ZERO
-        };
-        Conductor { reflectance, alpha, compensate, multiple }
+            self.multiple = f * f * e / ((Rgb::ONE - f * (1.0 - e)) * (1.0 - e).max(1e-6));
+        }
+    }
+
+    #[inline(always)]
+    fn set_alpha(&mut self, alpha: f32) {
+        self.alpha = alpha;
+        self.balance();
+    }
+
+    fn set_reflectance(&mut self, reflectance: Reflectance) {
+        (self.reflectance, self.average) = (reflectance, reflectance.average());
+        self.balance();
     }
 
     /// GGX α.
@@ -42,18 +60,18 @@ impl Conductor {
 
     /// True when a second lobe gives multiple scattering back.
     pub fn compensates(&self) -> bool {
-        self.compensate
+        self.compensate && self.alpha >= SMOOTH
     }
 
     /// Average reflectance.
     pub fn albedo(&self) -> Rgb {
-        self.reflectance.average()
+        self.average
     }
 
     /// The share of samples that go to the microfacet lobe.
     #[inline(always)]
     fn single_share(&self, e_o: f32) -> f32 {
-        if self.compensate { e_o.clamp(0.1, 1.0) } else { 1.0 }
+        if self.compensates() { e_o.clamp(0.1, 1.0) } else { 1.0 }
     }
 
     /// (f_cos, pdf) of the microfacet lobe alone.
@@ -80,7 +98,7 @@ impl Scatter for Conductor {
             return (Rgb::ZERO, 0.0);
         }
         let (single, single_pdf) = self.single(wo, wi);
-        if !self.compensate {
+        if !self.compensates() {
             return (single, single_pdf);
         }
         let table = ggx::energy();
@@ -99,7 +117,7 @@ impl Scatter for Conductor {
             return Some(Sample { wi: reflect(wo), weight, pdf: f32::INFINITY });
         }
         let single =
-            !self.compensate || lobe < self.single_share(ggx::energy().directional(wo.z, self.alpha));
+            !self.compensates() || lobe < self.single_share(ggx::energy().directional(wo.z, self.alpha));
         let wi = if single {
             let m = ggx::sample_visible_normal(wo, self.alpha, u);
             m * (2.0 * wo.dot(m)) - wo
@@ -122,5 +140,17 @@ impl Scatter for Conductor {
     fn deltas(&self, view: &View) -> [Option<Delta>; 2] {
         let mirror = || Delta { wi: reflect(view.wo), weight: self.reflectance.at(view.wo.z) };
         [self.is_delta().then(mirror), None]
+    }
+
+    #[inline(always)]
+    fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
+        let value = parameter.clamp(value);
+        match parameter {
+            Parameter::Reflectance => self.set_reflectance(Reflectance::Constant(value)),
+            Parameter::Roughness => self.set_alpha(value.x * value.x),
+            Parameter::Alpha => self.set_alpha(value.x),
+            _ => return false,
+        }
+        true
     }
 }

@@ -1,7 +1,7 @@
 //! A smooth boundary between air and a clear dielectric.
 
 use super::fresnel;
-use super::{Delta, Sample, Scatter, View, reflect};
+use super::{Delta, Parameter, Sample, Scatter, View, reflect};
 use crate::math::{Rgb, Vec3};
 
 /// Clear glass, water, diamond: reflects by Fresnel's formula and refracts the rest by Snell's law. The body
@@ -40,6 +40,17 @@ impl Scatter for Dielectric {
         let reflected = Delta { wi: reflect(view.wo), weight: Rgb::splat(reflectance) };
         let through = Delta { weight: refracted.weight * (1.0 - reflectance), ..refracted };
         [Some(reflected), (reflectance < 1.0).then_some(through)]
+    }
+
+    #[inline(always)]
+    fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
+        let value = parameter.clamp(value);
+        match parameter {
+            Parameter::Ior => self.ior = value.x,
+            Parameter::Tint => self.tint = value,
+            _ => return false,
+        }
+        true
     }
 }
 

@@ -13,6 +13,7 @@ pub mod diffuse;
 pub mod fresnel;
 pub mod ggx;
 pub mod mirror;
+pub mod parameter;
 pub mod phong;
 pub mod translucent;
 
@@ -20,6 +21,7 @@ pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use mirror::Mirror;
+pub use parameter::Parameter;
 pub use phong::Phong;
 pub use translucent::Translucent;
 
@@ -68,6 +70,10 @@ pub trait Scatter {
     fn transmits(&self) -> bool {
         false
     }
+
+    /// Gives `parameter` the value, clamped to its range; a number is the first channel. False where the model has
+    /// no such parameter. Cheap enough to be done at every hit.
+    fn set(&mut self, parameter: Parameter, value: Rgb) -> bool;
 }
 
 /// One of the directions of [`Scatter::deltas`].
@@ -129,6 +135,18 @@ impl Bsdf {
             Bsdf::Phong(m) => m.albedo(),
             Bsdf::Dielectric(m) => m.tint,
             Bsdf::Translucent(m) => m.albedo(),
+        }
+    }
+
+    /// [`Scatter::set`] of the model.
+    pub fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
+        match self {
+            Bsdf::Diffuse(m) => m.set(parameter, value),
+            Bsdf::Mirror(m) => m.set(parameter, value),
+            Bsdf::Conductor(m) => m.set(parameter, value),
+            Bsdf::Phong(m) => m.set(parameter, value),
+            Bsdf::Dielectric(m) => m.set(parameter, value),
+            Bsdf::Translucent(m) => m.set(parameter, value),
         }
     }
 

@@ -284,3 +284,23 @@ fn metals_have_their_colours() {
     let grazing = Reflectance::Index { eta: Rgb::splat(0.2), k: Rgb::splat(3.0) }.at(0.0);
     assert!((grazing - Rgb::ONE).length() < 1e-5);
 }
+
+/// What a texture sets at a hit is what the file would have set, and comes out as it went in.
+#[test]
+fn a_parameter_set_later_is_as_one_given_at_once() {
+    let gray = Rgb::splat;
+    let white = Reflectance::Constant(Rgb::ONE);
+    let mut metal = Conductor::new(Reflectance::Constant(gray(0.2)), 0.0, true);
+    assert!(metal.set(Parameter::Roughness, gray(0.5)) && metal.set(Parameter::Reflectance, Rgb::ONE));
+    assert_eq!(metal, Conductor::new(white, 0.25, true));
+    let mut phong = Phong::new(gray(0.9), gray(0.9), 3.0);
+    assert!(phong.set(Parameter::Diffuse, gray(0.1)) && phong.set(Parameter::Specular, gray(0.2)));
+    assert_eq!(phong, Phong::new(gray(0.1), gray(0.2), 3.0));
+    let mut sheet = Translucent::new(gray(0.9), gray(0.9));
+    assert!(sheet.set(Parameter::Transmittance, gray(0.05)));
+    assert_eq!(sheet, Translucent::new(gray(0.9), gray(0.05)));
+    let mut clay = Bsdf::Diffuse(Diffuse { reflectance: gray(0.5) });
+    assert!(!clay.set(Parameter::Exponent, gray(1.0)) && !clay.set(Parameter::Opacity, gray(0.5)));
+    assert!(clay.set(Parameter::Reflectance, gray(f32::NAN)));
+    assert_eq!(clay, Bsdf::Diffuse(Diffuse { reflectance: Rgb::ZERO }));
+}
