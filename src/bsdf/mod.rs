@@ -1,4 +1,5 @@
-//! How surfaces scatter light: one file a model, the terms they share in [`fresnel`] and [`ggx`].
+//! How surfaces scatter light: one file a model, the terms they share in [`fresnel`], [`ggx`] and
+//! [`energy`].
 //!
 //! Directions are local: z along the shading normal, which is on the side of `wo`; `wo` points to the
 //! viewer and `wi` to the light, both unit and both away from the surface. `f_cos` is the BRDF times
@@ -10,19 +11,28 @@
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
+pub mod energy;
 pub mod fresnel;
 pub mod ggx;
+pub mod metals;
 pub mod mirror;
+pub mod oren_nayar;
 pub mod parameter;
 pub mod phong;
+pub mod plastic;
+pub mod principled;
+pub mod sheen;
 pub mod translucent;
 
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use mirror::Mirror;
+pub use oren_nayar::OrenNayar;
 pub use parameter::Parameter;
 pub use phong::Phong;
+pub use plastic::Plastic;
+pub use principled::Principled;
 pub use translucent::Translucent;
 
 use crate::math::{Rgb, Vec3};
@@ -56,12 +66,12 @@ pub trait Scatter {
     /// A direction by importance: `u` places it, `lobe` chooses between lobes. `None` absorbs.
     fn sample(&self, view: &View, u: [f32; 2], lobe: f32) -> Option<Sample>;
 
-    /// True when [`Scatter::eval`] is zero everywhere, so that light samples would be wasted. No model is both: one
-    /// that has [`Scatter::deltas`] has nothing else.
+    /// True when [`Scatter::eval`] is zero everywhere, so that light samples would be wasted: all there is, are
+    /// [`Scatter::deltas`].
     fn is_delta(&self) -> bool;
 
     /// The directions that only a delta chooses, for integrators that follow each of them instead of choosing by
-    /// chance: the sum of their weights is the mean weight of [`Scatter::sample`].
+    /// chance: the sum of their weights is the mean weight of the samples with infinite density.
     fn deltas(&self, _view: &View) -> [Option<Delta>; 2] {
         [None; 2]
     }
@@ -100,6 +110,12 @@ pub enum Bsdf {
     Dielectric(Dielectric),
     /// A thin sheet that scatters to both sides.
     Translucent(Translucent),
+    /// Lambert's law for rough surfaces.
+    OrenNayar(OrenNayar),
+    /// A clear coat over a diffuse base.
+    Plastic(Plastic),
+    /// Metal, clear body or coated base, with coat and sheen.
+    Principled(Principled),
 }
 
 impl Bsdf {
@@ -109,8 +125,11 @@ impl Bsdf {
         ("mirror", "a perfect mirror"),
         ("conductor", "a metal, smooth or rough (GGX)"),
         ("phong", "a diffuse base with Phong's highlight"),
-        ("dielectric", "clear glass or water, smooth"),
+        ("dielectric", "clear glass or water, smooth or rough (GGX), a body or a thin sheet"),
         ("translucent", "a thin sheet that scatters light to both sides"),
+        ("oren-nayar", "a rough matte surface (energy-preserving)"),
+        ("plastic", "a clear coat, smooth or rough, over a diffuse base"),
+        ("principled", "one model for most things: base, metal, glass, coat, sheen"),
     ];
 
     /// The model's place in [`Bsdf::NAMES`]; waves shade lanes of one kind together.
@@ -123,6 +142,9 @@ impl Bsdf {
             Bsdf::Phong(_) => 3,
             Bsdf::Dielectric(_) => 4,
             Bsdf::Translucent(_) => 5,
+            Bsdf::OrenNayar(_) => 6,
+            Bsdf::Plastic(_) => 7,
+            Bsdf::Principled(_) => 8,
         }
     }
 
@@ -133,8 +155,11 @@ impl Bsdf {
             Bsdf::Mirror(m) => m.reflectance,
             Bsdf::Conductor(m) => m.albedo(),
             Bsdf::Phong(m) => m.albedo(),
-            Bsdf::Dielectric(m) => m.tint,
+            Bsdf::Dielectric(m) => m.albedo(),
             Bsdf::Translucent(m) => m.albedo(),
+            Bsdf::OrenNayar(m) => m.albedo(),
+            Bsdf::Plastic(m) => m.albedo(),
+            Bsdf::Principled(m) => m.albedo(),
         }
     }
 
@@ -147,6 +172,9 @@ impl Bsdf {
             Bsdf::Phong(m) => m.set(parameter, value),
             Bsdf::Dielectric(m) => m.set(parameter, value),
             Bsdf::Translucent(m) => m.set(parameter, value),
+            Bsdf::OrenNayar(m) => m.set(parameter, value),
+            Bsdf::Plastic(m) => m.set(parameter, value),
+            Bsdf::Principled(m) => m.set(parameter, value),
         }
     }
 
@@ -155,7 +183,12 @@ impl Bsdf {
         match self {
             Bsdf::Diffuse(_) | Bsdf::Mirror(_) => false,
             Bsdf::Conductor(m) => m.compensates(),
-            Bsdf::Phong(_) | Bsdf::Dielectric(_) | Bsdf::Translucent(_) => true,
+            Bsdf::Phong(_)
+            | Bsdf::Dielectric(_)
+            | Bsdf::Translucent(_)
+            | Bsdf::OrenNayar(_)
+            | Bsdf::Plastic(_)
+            | Bsdf::Principled(_) => true,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What `--help` and `--version` say; lists of names come from the code that owns them.
 
 use drt::accel::Backend;
-use drt::bsdf::{Bsdf, fresnel::METALS};
+use drt::bsdf::{Bsdf, metals::METALS};
 use drt::camera::Projection;
 use drt::converge::integrals::INTEGRALS;
 use drt::converge::report;

@@ -163,13 +163,14 @@ fn connect<B: Scatter>(
 }
 
 /// The density that the ray along a BSDF sample of density `pdf` carries, so that what it meets weighs its light
-/// against light sampling; `light_sampled`: whether this vertex took light samples.
+/// against light sampling; `light_sampled`: whether this vertex took light samples. They never find what a delta
+/// chose.
 #[inline(always)]
 fn competing_pdf(lights: LightSampling, light_sampled: bool, pdf: f32) -> f32 {
     match lights {
         LightSampling::Mis => pdf,
         LightSampling::Bsdf => f32::INFINITY,
-        LightSampling::Light if light_sampled => 0.0,
+        LightSampling::Light if light_sampled && pdf < f32::INFINITY => 0.0,
         LightSampling::Light => f32::INFINITY,
     }
 }

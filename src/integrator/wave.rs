@@ -251,6 +251,9 @@ impl Wave {
         shade_kind!(4, Bsdf::Phong);
         shade_kind!(5, Bsdf::Dielectric);
         shade_kind!(6, Bsdf::Translucent);
+        shade_kind!(7, Bsdf::OrenNayar);
+        shade_kind!(8, Bsdf::Plastic);
+        shade_kind!(9, Bsdf::Principled);
         self.groups = groups;
     }
 

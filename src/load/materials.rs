@@ -61,7 +61,7 @@ impl MaterialSpec {
             Model::Phong { diffuse, specular, exponent } => {
                 Bsdf::Phong(Phong::new(diffuse, specular, exponent))
             }
-            Model::Dielectric { ior, tint } => Bsdf::Dielectric(Dielectric { ior, tint }),
+            Model::Dielectric { ior, tint } => Bsdf::Dielectric(Dielectric::new(ior, tint)),
             Model::Translucent { reflectance, transmittance } => {
                 Bsdf::Translucent(Translucent::new(reflectance, transmittance))
             }

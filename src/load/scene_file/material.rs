@@ -2,7 +2,8 @@
 
 use super::reader::{Field, LIGHT, SHARE, Section};
 use crate::bsdf::Bsdf;
-use crate::bsdf::fresnel::{METALS, Reflectance};
+use crate::bsdf::fresnel::Reflectance;
+use crate::bsdf::metals::METALS;
 use crate::error::{Error, Result, unknown_word_advice};
 use crate::load::materials::{MaterialSpec, Model};
 use crate::math::Rgb;
