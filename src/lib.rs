@@ -67,6 +67,7 @@ pub mod camera;
 pub mod film;
 pub mod light;
 pub mod sampler;
+pub mod texture;
 
 pub mod scene;
 

@@ -14,6 +14,7 @@ pub mod diffuse;
 pub mod energy;
 pub mod fresnel;
 pub mod ggx;
+mod maps;
 pub mod metals;
 pub mod mirror;
 pub mod oren_nayar;
@@ -27,6 +28,7 @@ pub mod translucent;
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use maps::{Map, Maps};
 pub use mirror::Mirror;
 pub use oren_nayar::OrenNayar;
 pub use parameter::Parameter;
@@ -36,6 +38,7 @@ pub use principled::Principled;
 pub use translucent::Translucent;
 
 use crate::math::{Rgb, Vec3};
+use std::sync::Arc;
 
 /// A direction chosen by [`Scatter::sample`].
 #[derive(Clone, Copy, Debug)]
@@ -178,6 +181,18 @@ impl Bsdf {
         }
     }
 
+    /// [`Scatter::set`] of the model.
+    pub fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
+        match self {
+            Bsdf::Diffuse(m) => m.set(parameter, value),
+            Bsdf::Mirror(m) => m.set(parameter, value),
+            Bsdf::Conductor(m) => m.set(parameter, value),
+            Bsdf::Phong(m) => m.set(parameter, value),
+            Bsdf::Dielectric(m) => m.set(parameter, value),
+            Bsdf::Translucent(m) => m.set(parameter, value),
+        }
+    }
+
     /// True when sampling needs the `lobe` number.
     pub fn has_lobes(&self) -> bool {
         match self {
@@ -204,6 +219,8 @@ pub struct Material {
     pub emission: Rgb,
     /// False: only the side that `ng` points to scatters and emits; the other is black.
     pub two_sided: bool,
+    /// What changes over the surface; `None` where nothing does.
+    pub maps: Option<Arc<Maps>>,
 }
 
 impl Material {
@@ -214,6 +231,7 @@ impl Material {
             bsdf: Bsdf::Diffuse(Diffuse { reflectance }),
             emission: Rgb::ZERO,
             two_sided: true,
+            maps: None,
         }
     }
 }

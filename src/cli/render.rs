@@ -173,6 +173,12 @@ impl Job {
                     .transpose()?,
                 ground: args.ground,
                 sky: args.sky.as_deref().map(|word| at_flag("--sky", Sky::from_name(word))).transpose()?,
+                max_texture_bytes: args
+                    .max_texture_bytes
+                    .as_deref()
+                    .map_or(Ok(load::Options::default().max_texture_bytes), |word| {
+                        super::args::bytes("--max-texture-bytes", word)
+                    })?,
                 progress: &progress,
             },
         )

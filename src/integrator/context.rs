@@ -36,6 +36,8 @@ pub struct Context<'a> {
     pub samples_lights: bool,
     /// True when a BSDF of the scene chooses between lobes.
     pub has_lobes: bool,
+    /// True when a surface of the scene has holes.
+    pub has_cutouts: bool,
     /// Width and height of the full picture.
     pub size: [u32; 2],
 }
@@ -46,7 +48,12 @@ impl<'a> Context<'a> {
     /// # Errors
     /// A camera that cannot be, or a grid of pixel points without a weight.
     pub fn new(scene: &'a Scene, settings: &Settings) -> Result<Context<'a>> {
-        let emission = |m: &Material| Emission { radiance: m.emission, two_sided: m.two_sided };
+        let emission = |m: &Material| Emission {
+            radiance: m.emission,
+            two_sided: m.two_sided,
+            texture: m.maps.as_ref().and_then(|maps| maps.emission.clone()),
+            opacity: m.maps.as_ref().and_then(|maps| maps.opacity.clone()),
+        };
         let bounds = scene.bounds();
         let lights = Lights::new(
             &scene.meshes,
@@ -59,7 +66,11 @@ impl<'a> Context<'a> {
             },
         );
         let camera = Camera::new(&scene.camera, scene.origin)?;
-        let has_lobes = scene.materials.iter().any(|m| m.bsdf.has_lobes());
+        // A picture can give a model lobes that its constants have not.
+        let changes = |m: &Material| m.maps.as_ref().is_some_and(|maps| !maps.parameters.is_empty());
+        let has_lobes = scene.materials.iter().any(|m| m.bsdf.has_lobes() || changes(m));
+        let has_cutouts =
+            scene.materials.iter().any(|m| m.maps.as_ref().is_some_and(|maps| maps.opacity.is_some()));
         let lit = match settings.integrator {
             IntegratorKind::Path | IntegratorKind::Direct => true,
             IntegratorKind::Distribution { rule, .. } => rule == HemisphereRule::Importance,
@@ -77,6 +88,7 @@ impl<'a> Context<'a> {
             random: Sampler::new(SamplerKind::Random, settings.seed, settings.spp),
             samples_lights,
             has_lobes,
+            has_cutouts,
             size: settings.size,
         })
     }
@@ -119,6 +131,8 @@ impl Dimensions {
     pub const LENS: u32 = 2;
     /// Roulette's dimensions begin here, out of the way of the others.
     const ROULETTE: u32 = 1 << 20;
+    /// Whether a hit of a surface with holes counts: one a triangle and place on the path, scattered over 30 bits.
+    pub const CUTOUT: u32 = 1 << 30;
 
     fn new(lens: bool, lobes: bool, lights: bool) -> Dimensions {
         let lobes = u32::from(lobes);

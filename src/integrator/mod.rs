@@ -10,6 +10,7 @@
 
 mod ao;
 mod context;
+mod cutout;
 mod distribution;
 mod lanes;
 mod normals;

@@ -5,10 +5,11 @@
 //! repeats `extend` (closest hits) → `shade` (lanes grouped by BSDF, each vertex pushing into the next
 //! chunks, which also compacts them) → `connect` (shadow rays) until no path is left. It knows no physics.
 
+use super::cutout;
 use super::lanes::Lanes;
 use super::{Arrival, Context, Extension, Integrator, RenderStats, Sink, Vertex};
-use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS};
-use crate::bsdf::{Bsdf, Scatter, View};
+use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, for_lanes};
+use crate::bsdf::{Bsdf, Material, Scatter, View};
 use crate::film::rule::{Numbers, PixelPoint};
 use crate::film::{Film, FirstHit, Tile};
 use crate::light::{End, Sphere, sphere};
@@ -190,6 +191,17 @@ impl Wave {
             if !job.cx.lights.spheres.is_empty() {
                 sphere::closest(&job.cx.lights.spheres, rays, &mut self.hits[chunk]);
             }
+            if job.cx.has_cutouts {
+                let (hits, path) = (&mut self.hits[chunk], &self.current.paths[chunk]);
+                let slots = &self.pushed.slots;
+                let counts = |lane: usize, hits: &Hits, opacity| {
+                    let key = slots[path.slot[lane] as usize].key;
+                    let hit = [hits.mesh[lane], hits.triangle[lane]];
+                    cutout::counts(job.cx, key, [depth, path.branch[lane]], hit, opacity)
+                };
+                self.stats.bounce_rays +=
+                    cutout::pass(job.cx, job.accel, rays.rays(), rays.active(), hits, counts);
+            }
         }
     }
 
@@ -234,14 +246,11 @@ impl Wave {
             }
             job.integrator.end(job.cx, end, o, d, &arrival, &mut PathSink { pushed: &mut self.pushed, slot });
         }
-        let materials = job.cx.materials;
         macro_rules! shade_kind {
             ($group:expr, $kind:path) => {
-                self.shade_group(job, depth, tile, &groups.of[$group], |material| {
-                    match &materials[material as usize].bsdf {
-                        $kind(bsdf) => Some(bsdf),
-                        _ => None,
-                    }
+                self.shade_group(job, depth, tile, &groups.of[$group], |material| match &material.bsdf {
+                    $kind(bsdf) => Some(bsdf),
+                    _ => None,
                 })
             };
         }
@@ -259,13 +268,13 @@ impl Wave {
 
     /// Shades one group with code compiled for its BSDF.
     #[inline(always)]
-    fn shade_group<'a, I: Integrator, B: Scatter + 'a>(
+    fn shade_group<I: Integrator, B: Scatter + Clone>(
         &mut self,
         job: &Job<'_, I>,
         depth: u32,
         tile: &mut Tile,
         group: &[u32],
-        bsdf: impl Fn(u32) -> Option<&'a B>,
+        bsdf: impl Fn(&Material) -> Option<&B>,
     ) {
         for &i in group {
             let (chunk, lane) = (i as usize / LANES, i as usize % LANES);
@@ -275,9 +284,17 @@ impl Wave {
                 let pixel = self.pushed.slots[slot as usize].pixel as usize;
                 tile.add_first_hit(pixel, arrival.key.index, &first_hit(job.cx, &v, ids));
             }
-            if let Some(bsdf) = bsdf(v.material) {
-                job.integrator.vertex(job.cx, &v, bsdf, &mut PathSink { pushed: &mut self.pushed, slot });
-            }
+            let material = &job.cx.materials[v.material as usize];
+            let Some(plain) = bsdf(material) else { continue };
+            let textured;
+            let bsdf = match &material.maps {
+                None => plain,
+                Some(maps) => {
+                    textured = maps.applied(plain, v.surface.uv);
+                    &textured
+                }
+            };
+            job.integrator.vertex(job.cx, &v, bsdf, &mut PathSink { pushed: &mut self.pushed, slot });
         }
     }
 
@@ -296,10 +313,13 @@ impl Wave {
         let hits = &self.hits[chunk];
         let (id, triangle) = (hits.mesh[lane], hits.triangle[lane]);
         let mesh = &cx.meshes[id as usize];
-        let surface = Surface::new(mesh, triangle, hits.u[lane], hits.v[lane]);
+        let mut surface = Surface::new(mesh, triangle, hits.u[lane], hits.v[lane]);
         let wo = -self.current.rays[chunk].d(lane);
-        let frame = surface.frame_towards(wo);
         let material = mesh.materials.get(triangle as usize);
+        if let Some(maps) = &cx.materials[material as usize].maps {
+            surface.ns = maps.normal(&surface, mesh, triangle as usize);
+        }
+        let frame = surface.frame_towards(wo);
         let view = View { wo: frame.to_local(wo), outside: surface.ng.dot(wo) > 0.0 };
         (Vertex { surface, frame, wo, view, t: hits.t[lane], material, arrival }, [id, triangle, material])
     }
@@ -312,15 +332,23 @@ impl Wave {
         for (chunk, mask) in shadows.chunks() {
             let rays = shadows.rays[chunk].check(mask);
             self.stats.rejected_rays += u64::from(rays.rejected());
-            let mut free = rays.active() & !job.accel.occluded(rays, Coherence::Incoherent);
+            let mut open = rays.active();
             if !job.cx.lights.spheres.is_empty() {
-                free &= !sphere::occluded(&job.cx.lights.spheres, rays);
+                open &= !sphere::occluded(&job.cx.lights.spheres, rays);
             }
-            while free != 0 {
-                let lane = free.trailing_zeros() as usize;
-                free &= free - 1;
-                slots[shadows.paths[chunk].slot[lane] as usize].radiance +=
-                    shadows.beta(chunk, lane).as_dvec3();
+            let blocked = job.accel.occluded(rays, Coherence::Incoherent);
+            let slot = |lane: usize| shadows.paths[chunk].slot[lane] as usize;
+            for_lanes(open & !blocked, |lane| {
+                slots[slot(lane)].radiance += shadows.beta(chunk, lane).as_dvec3();
+            });
+            if job.cx.has_cutouts && open & blocked != 0 {
+                let (share, traced) =
+                    cutout::transmittance(job.cx, job.accel, rays.rays(), open & blocked);
+                self.stats.shadow_rays += traced;
+                for_lanes(open & blocked, |lane| {
+                    let passed = shadows.beta(chunk, lane).as_dvec3() * f64::from(share[lane]);
+                    slots[slot(lane)].radiance += passed;
+                });
             }
         }
         shadows.len = 0;
@@ -356,10 +384,17 @@ fn camera_ray(cx: &Context<'_>, x: u32, y: u32, key: Key) -> (Ray, f32) {
 }
 
 fn first_hit(cx: &Context<'_>, v: &Vertex, ids: [u32; 3]) -> FirstHit {
+    let material = &cx.materials[v.material as usize];
+    let mut bsdf = material.bsdf.clone();
+    if let Some(maps) = &material.maps {
+        maps.each(v.surface.uv, |parameter, value| {
+            bsdf.set(parameter, value);
+        });
+    }
     FirstHit {
         depth: v.t,
         normal: v.frame.n,
-        albedo: cx.materials[v.material as usize].bsdf.albedo(),
+        albedo: bsdf.albedo(),
         position: v.surface.p,
         uv: v.surface.uv,
         ids,

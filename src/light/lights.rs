@@ -3,18 +3,37 @@
 use super::{Directional, Environment, Light, Point, Sphere};
 use crate::math::distribution::AliasTable;
 use crate::math::ray::{Ray, leave};
-use crate::math::{Rgb, Vec3, luminance, warp};
+use crate::math::{Rgb, Vec2, Vec3, luminance, warp};
 use crate::shape::{Mesh, Surface};
+use crate::texture::{Opacity, Texture};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// What a material emits.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Emission {
-    /// Radiance, the same in all directions.
+    /// Radiance, the same in all directions; of a picture its mean, by which lights are chosen.
     pub radiance: Rgb,
     /// True: from both sides; false: from the side `ng` points to.
     pub two_sided: bool,
+    /// Radiance as a picture.
+    pub texture: Option<Texture>,
+    /// Where the surface is there. A ray that meets a hole goes on; a light sample must count what is there.
+    pub opacity: Option<Opacity>,
+}
+
+impl Emission {
+    /// Radiance at texture coordinates `uv` of a surface that is there.
+    #[inline(always)]
+    fn at(&self, uv: Vec2) -> Rgb {
+        match &self.texture {
+            None => self.radiance,
+            Some(texture) => texture.rgb(uv).max(Rgb::ZERO).min(Rgb::splat(Self::LARGEST)),
+        }
+    }
+
+    /// Radiance above this is cut, as the scene file does.
+    const LARGEST: f32 = 1e12;
 }
 
 /// A shadow ray and what comes along it.
@@ -199,7 +218,7 @@ impl Lights {
     #[inline(always)]
     pub fn emitted(&self, material: u32, surface: &Surface, wo: Vec3) -> Rgb {
         let emission = &self.emissions[material as usize];
-        if emission.two_sided || surface.ng.dot(wo) > 0.0 { emission.radiance } else { Rgb::ZERO }
+        if emission.two_sided || surface.ng.dot(wo) > 0.0 { emission.at(surface.uv) } else { Rgb::ZERO }
     }
 
     /// Density per solid angle with which [`Lights::sample`] would have chosen the point that a ray met at
@@ -266,14 +285,21 @@ impl Lights {
         let mesh = &self.meshes[mesh as usize];
         let material = mesh.materials.get(triangle as usize);
         let [b1, b2] = warp::triangle(u);
-        let light = Surface::faceted(mesh, triangle, b1, b2);
+        let mut light = Surface::faceted(mesh, triangle, b1, b2);
+        let emission = &self.emissions[material as usize];
+        let mut share = 1.0;
+        if emission.texture.is_some() || emission.opacity.is_some() {
+            let uv = mesh.uv(triangle as usize, b1, b2);
+            light.uv = uv.unwrap_or(light.uv);
+            share = emission.opacity.as_ref().map_or(1.0, |opacity| opacity.at(uv));
+        }
         let to = light.p - from.p;
         let distance_squared = to.length_squared();
         if distance_squared <= 0.0 {
             return None;
         }
         let wi = to * (1.0 / distance_squared.sqrt());
-        let radiance = self.emitted(material, &light, -wi);
+        let radiance = self.emitted(material, &light, -wi) * share;
         let pdf = self.density[material as usize] * distance_squared / light.ng.dot(wi).abs();
         if radiance == Rgb::ZERO || !(pdf > 0.0 && pdf.is_finite()) {
             return None;

@@ -5,6 +5,7 @@ use super::materials::MaterialSpec;
 use super::object::{self, Object};
 use super::place::{Extent, NormalsMode, Transform, place, rename_materials};
 use super::scene_file::{LightPlan, MaterialPatch, MeshPlan, Plan};
+use super::texture;
 use super::{Loaded, Options, cancelled};
 use crate::error::{Error, Finding, Result, Severity, nearest, show_path, unknown_word_advice};
 use crate::light::{Directional, Light, Point, Sphere};
@@ -76,7 +77,11 @@ pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) 
     let triangles = in_files + added.iter().map(|m| m.indices.len() as u64).sum::<u64>();
     let forward = camera.look_at - camera.position;
     let lights = plan.lights.iter().filter_map(|light| place_light(light, origin, up, forward)).collect();
-    let scene = Scene { origin, meshes, materials: palette.build(), lights, camera };
+    let job = texture::Job { most_bytes: options.max_texture_bytes, progress: options.progress };
+    let specs = palette.specs();
+    let textures = texture::StatedTexture::of(&specs, input);
+    let materials = texture::build(&specs, &mut meshes, &job, &mut findings)?;
+    let scene = Scene { origin, meshes, materials, lights, camera };
     crate::camera::Camera::new(&scene.camera, scene.origin).map_err(|e| e.at(input))?;
     if is_dark(&scene)
         && !matches!(plan.settings.integrator, IntegratorKind::Ao { .. } | IntegratorKind::Normals)
@@ -91,7 +96,8 @@ pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) 
         });
     }
     let files = files.paths;
-    Ok(Loaded { scene, settings: plan.settings, findings, skipped_faces, triangles, files, mesh_files })
+    let settings = plan.settings;
+    Ok(Loaded { scene, settings, findings, skipped_faces, triangles, files, mesh_files, textures })
 }
 
 /// The distinct files, and which of them each mesh is in.
@@ -244,11 +250,11 @@ impl<'p> Palette<'p> {
     }
 
     /// Every face has a material, so there is at least one.
-    fn build(mut self) -> Vec<crate::bsdf::Material> {
+    fn specs(mut self) -> Vec<MaterialSpec> {
         if self.specs.is_empty() {
             self.specs.push(MaterialSpec::diffuse("", auto::CLAY));
         }
-        self.specs.into_iter().map(MaterialSpec::build).collect()
+        self.specs
     }
 }
 

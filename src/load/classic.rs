@@ -6,12 +6,8 @@
 use super::auto;
 use super::materials::{MaterialSpec, Model};
 use super::mtl::{At, MtlMaterial};
-use super::open::find;
 use crate::bsdf::fresnel::Reflectance;
-use crate::error::{Finding, Findings, Severity, show_path};
 use crate::math::Rgb;
-use std::os::unix::ffi::OsStrExt;
-use std::path::Path;
 
 /// The material that `m` describes:
 ///
@@ -47,32 +43,6 @@ pub(super) fn from_mtl(name: &str, m: &MtlMaterial) -> MaterialSpec {
         spec.model = Model::Phong { diffuse, specular, exponent };
     }
     spec
-}
-
-/// Says of each texture whether its file is there. None is shown by this version, and that is said too. The file's
-/// name stands in the library, which is not quoted: its line and the folder that the name counts from tell the rest.
-pub(super) fn note_textures(m: &MtlMaterial, findings: &mut Findings) {
-    let folder = m.library.parent().unwrap_or(Path::new(""));
-    for (key, texture) in m.textures() {
-        let found = find(folder, texture.value.file.as_os_str().as_bytes());
-        let title = m.title();
-        let (kind, severity, message) = match found {
-            None => {
-                let place = if folder == Path::new("") { Path::new(".") } else { folder };
-                let message = format!(
-                    "{title}: the file that this {key} names was not found (its name counts from the folder {})",
-                    show_path(place)
-                );
-                ("texture-missing", Severity::Warning, message)
-            }
-            Some(_) => {
-                let message = format!("{title}: {key} is not shown by this version");
-                ("texture-not-shown", Severity::Note, message)
-            }
-        };
-        let (file, line) = (m.library.clone(), texture.line);
-        findings.push(Finding { file, line, kind, message, severity });
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! From what files say about materials to [`Material`]s: a model with its numbers, which an MTL sets and
 //! `[materials.NAME]` changes key by key before it is built.
 
+use super::texture::MapSpec;
 use crate::bsdf::fresnel::Reflectance;
 use crate::bsdf::{Bsdf, Conductor, Dielectric, Diffuse, Material, Mirror, Phong, Translucent};
 use crate::math::Rgb;
@@ -16,6 +17,10 @@ pub(crate) struct MaterialSpec {
     pub emission: Rgb,
     /// Whether the back scatters and emits as well.
     pub two_sided: bool,
+    /// The share of hits that count, 0 to 1; the rest of the light goes straight on.
+    pub opacity: f32,
+    /// Pictures in place of constants.
+    pub maps: Vec<MapSpec>,
 }
 
 /// A scattering model with its numbers.
@@ -47,10 +52,10 @@ impl MaterialSpec {
     /// A two-sided diffuse material that emits nothing.
     pub fn diffuse(name: impl Into<String>, reflectance: Rgb) -> Self {
         let model = Model::Diffuse { reflectance };
-        MaterialSpec { name: name.into(), model, emission: Rgb::ZERO, two_sided: true }
+        MaterialSpec { name: name.into(), model, emission: Rgb::ZERO, two_sided: true, opacity: 1.0, maps: Vec::new() }
     }
 
-    /// The material that is rendered.
+    /// The material that is rendered, before its pictures and holes are put on.
     pub fn build(self) -> Material {
         let bsdf = match self.model {
             Model::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse { reflectance }),
@@ -66,6 +71,6 @@ impl MaterialSpec {
                 Bsdf::Translucent(Translucent::new(reflectance, transmittance))
             }
         };
-        Material { name: self.name, bsdf, emission: self.emission, two_sided: self.two_sided }
+        Material { name: self.name, bsdf, emission: self.emission, two_sided: self.two_sided, maps: None }
     }
 }

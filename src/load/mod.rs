@@ -19,6 +19,7 @@ pub mod open;
 pub mod picture;
 mod place;
 mod scene_file;
+pub(crate) mod texture;
 
 pub use scene_file::Override;
 
@@ -39,6 +40,8 @@ pub struct Options<'a> {
     pub ground: bool,
     /// A built-in sky instead of the file's environment.
     pub sky: Option<Sky>,
+    /// Bytes that all textures together may take in memory; pictures beyond it are left out with a warning.
+    pub max_texture_bytes: u64,
     /// Told now and then the share done (0 to 1); `false` cancels the reading, which then fails with
     /// [`cancelled`].
     pub progress: &'a (dyn Fn(f64) -> bool + Sync),
@@ -46,7 +49,15 @@ pub struct Options<'a> {
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Options { overrides: Vec::new(), up: None, view: None, ground: false, sky: None, progress: &|_| true }
+        Options {
+            overrides: Vec::new(),
+            up: None,
+            view: None,
+            ground: false,
+            sky: None,
+            max_texture_bytes: texture::MOST_BYTES,
+            progress: &|_| true,
+        }
     }
 }
 
@@ -67,6 +78,8 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
     /// How many of `files` are mesh files; they come first.
     pub mesh_files: usize,
+    /// The textures that the scene file states itself.
+    pub(crate) textures: Vec<texture::StatedTexture>,
 }
 
 /// The error of a reading that its progress callback cancelled.

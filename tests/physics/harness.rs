@@ -17,6 +17,15 @@ pub struct Stage {
 
 /// Reads a scene file whose text is `toml`, beside the files `files`, with `--set` overrides.
 pub fn stage(toml: &str, files: &[(&str, String)], backend: Backend, set: &[&str]) -> Stage {
+    stage_files(toml, files, backend, set)
+}
+
+/// The same beside files of any bytes.
+pub fn stage_bytes(toml: &str, files: &[(&str, Vec<u8>)], backend: Backend, set: &[&str]) -> Stage {
+    stage_files(toml, files, backend, set)
+}
+
+fn stage_files<T: AsRef<[u8]>>(toml: &str, files: &[(&str, T)], backend: Backend, set: &[&str]) -> Stage {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
         std::fs::write(folder.path().join(name), text).unwrap();
@@ -99,6 +108,15 @@ pub fn on_every_backend(check: impl Fn(Backend)) {
     for &backend in Backend::ALL {
         check(backend);
     }
+}
+
+/// A PNG of 8-bit colours, row by row from the top.
+pub fn picture(width: u32, colors: &[[u8; 3]]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, colors.len() as u32 / width);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().unwrap().write_image_data(colors.as_flattened()).unwrap();
+    bytes
 }
 
 /// An OBJ text from polygons.

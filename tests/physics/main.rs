@@ -8,8 +8,11 @@
 
 mod closed;
 mod convergence;
+mod cutouts;
 mod direct;
 mod harness;
 mod invariance;
 mod lamps;
 mod materials;
+mod relief;
+mod textures;

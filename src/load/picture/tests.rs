@@ -3,6 +3,7 @@
 use super::*;
 use crate::output::{self, FORMATS, Format};
 use ::exr::prelude::f16;
+use std::io::Cursor;
 use std::path::PathBuf;
 
 fn gradient(width: u32, height: u32) -> Image {

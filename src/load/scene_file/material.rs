@@ -1,6 +1,7 @@
 //! `[materials.NAME]`: a material of its own, or changes to the one of that name in an MTL.
 
 use super::reader::{Field, LIGHT, SHARE, Section};
+use super::texture::Textures;
 use crate::bsdf::Bsdf;
 use crate::bsdf::fresnel::Reflectance;
 use crate::bsdf::metals::METALS;
@@ -8,6 +9,7 @@ use crate::error::{Error, Result, unknown_word_advice};
 use crate::load::materials::{MaterialSpec, Model};
 use crate::math::Rgb;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// The keys of one `[materials.NAME]`.
 #[derive(Clone)]
@@ -19,6 +21,7 @@ pub(crate) struct MaterialPatch<'t> {
     changes: Vec<(Field<'t>, Change)>,
     emission: Option<Rgb>,
     two_sided: Option<bool>,
+    textures: Textures<'t>,
 }
 
 /// A key of a model with its value.
@@ -37,16 +40,17 @@ enum Change {
 }
 
 /// Reads every material by name.
-pub(super) fn read_all<'t>(field: &Field<'t>) -> Result<BTreeMap<String, MaterialPatch<'t>>> {
+pub(super) fn read_all<'t>(field: &Field<'t>, folder: &Path) -> Result<BTreeMap<String, MaterialPatch<'t>>> {
     let materials = field.section()?.all();
-    materials.into_iter().map(|(name, field)| Ok((name.to_string(), read(field)?))).collect()
+    materials.into_iter().map(|(name, field)| Ok((name.to_string(), read(field, folder)?))).collect()
 }
 
-fn read(field: Field<'_>) -> Result<MaterialPatch<'_>> {
+fn read<'t>(field: Field<'t>, folder: &Path) -> Result<MaterialPatch<'t>> {
     const LATER: &[&str] = &["principled"];
     let mut table = field.section()?;
+    let textures = Textures::take(&mut table, folder)?;
     let model = table.read("type", |f| f.word(LATER, usual))?;
-    table.not_yet(&["opacity", "normal_map", "bump", "base_color", "metallic"])?;
+    table.not_yet(&["base_color", "metallic"])?;
     let changes = [
         change(&mut table, "reflectance", |f| f.color(SHARE).map(Change::Reflectance))?,
         index(&mut table)?,
@@ -72,7 +76,7 @@ fn read(field: Field<'_>) -> Result<MaterialPatch<'_>> {
             .error(format!("{} and {} exclude each other", names.0, names.1))
             .advise("give one of them"));
     }
-    let patch = MaterialPatch { field, model, changes, emission, two_sided };
+    let patch = MaterialPatch { field, model, changes, emission, two_sided, textures };
     if patch.model.is_some() {
         // The model is known, so its keys are checked before any mesh is read.
         patch.apply(MaterialSpec::diffuse("", Rgb::ONE))?;
@@ -177,6 +181,7 @@ impl MaterialPatch<'_> {
         }
         base.emission = self.emission.unwrap_or(base.emission);
         base.two_sided = self.two_sided.unwrap_or(base.two_sided);
+        self.textures.apply(&mut base, self.model.is_some())?;
         Ok(base)
     }
 }

@@ -11,6 +11,7 @@ mod mesh;
 mod overrides;
 mod reader;
 mod render;
+mod texture;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -97,7 +98,7 @@ pub(crate) fn read<'t>(
     }
     let camera = top.read("camera", |f| camera::read(f.section()?))?.unwrap_or_default();
     let meshes = top.read("mesh", |f| mesh::read_all(&f, folder))?.unwrap_or_default();
-    let materials = top.read("materials", |f| material::read_all(&f))?.unwrap_or_default();
+    let materials = top.read("materials", |f| material::read_all(&f, folder))?.unwrap_or_default();
     let lights = top.read("light", |f| light::read_all(&f))?.unwrap_or_default();
     top.finish()?;
     Ok(Plan { settings, findings, camera, meshes, materials, lights })
