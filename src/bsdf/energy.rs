@@ -267,9 +267,10 @@ impl Boundary {
 }
 
 /// The energy of a boundary with a given η, the other side's index relative to this side's.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interface {
-    nodes: [&'static Boundary; 2],
+    /// The tables between which η lies; they are computed when a number is asked for.
+    nodes: [u8; 2],
     t: f32,
 }
 
@@ -286,12 +287,13 @@ impl Interface {
         } else {
             (i, i + 1)
         };
-        Interface { nodes: [Boundary::at_node(low), Boundary::at_node(high)], t }
+        Interface { nodes: [low as u8, high as u8], t }
     }
 
     #[inline]
     fn mix(&self, of: impl Fn(&Boundary) -> f32) -> f32 {
-        of(self.nodes[0]) * (1.0 - self.t) + of(self.nodes[1]) * self.t
+        let [low, high] = self.nodes.map(|node| of(Boundary::at_node(usize::from(node))));
+        low * (1.0 - self.t) + high * self.t
     }
 
     /// The share that is reflected.
@@ -316,18 +318,5 @@ impl Interface {
     #[inline]
     pub fn total_average(&self, alpha: f32) -> f32 {
         self.mix(|b| b.total.average(alpha))
-    }
-}
-
-/// Two interfaces are one where they stand for the same η.
-impl PartialEq for Interface {
-    fn eq(&self, other: &Interface) -> bool {
-        self.t == other.t && (0..2).all(|i| std::ptr::eq(self.nodes[i], other.nodes[i]))
-    }
-}
-
-impl std::fmt::Debug for Interface {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Interface(t = {})", self.t)
     }
 }

@@ -1,7 +1,7 @@
 //! What pictures change of a material from place to place.
 
-use super::parameter::{Channels, Parameter};
 use super::Scatter;
+use super::parameter::{Channels, Parameter};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::shape::{Mesh, Surface};
 use crate::texture::{Opacity, Relief, Tangents, Texture};

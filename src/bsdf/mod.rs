@@ -151,6 +151,20 @@ impl Bsdf {
         }
     }
 
+    /// The model's name in scene files.
+    pub fn name(&self) -> &'static str {
+        Bsdf::NAMES.get(self.kind()).map_or("", |row| row.0)
+    }
+
+    /// True for what is seen through though all of it is there.
+    pub fn is_clear(&self) -> bool {
+        match self {
+            Bsdf::Dielectric(_) => true,
+            Bsdf::Principled(m) => m.look().transmission > 0.0,
+            _ => false,
+        }
+    }
+
     /// The share of light sent back on average, for the albedo layer.
     pub fn albedo(&self) -> Rgb {
         match self {
@@ -181,18 +195,6 @@ impl Bsdf {
         }
     }
 
-    /// [`Scatter::set`] of the model.
-    pub fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
-        match self {
-            Bsdf::Diffuse(m) => m.set(parameter, value),
-            Bsdf::Mirror(m) => m.set(parameter, value),
-            Bsdf::Conductor(m) => m.set(parameter, value),
-            Bsdf::Phong(m) => m.set(parameter, value),
-            Bsdf::Dielectric(m) => m.set(parameter, value),
-            Bsdf::Translucent(m) => m.set(parameter, value),
-        }
-    }
-
     /// True when sampling needs the `lobe` number.
     pub fn has_lobes(&self) -> bool {
         match self {
@@ -208,6 +210,21 @@ impl Bsdf {
     }
 }
 
+/// Two materials of which each hit takes one by chance, so that the picture is their mixture. Emission, opacity and
+/// sides are the mixture's own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mix {
+    /// Ids of materials that come before the mixture's own.
+    pub parts: [u32; 2],
+    /// The share of the second, 0 to 1.
+    pub amount: f32,
+}
+
+impl Mix {
+    /// The name in scene files, with what it is, beside [`Bsdf::NAMES`].
+    pub const NAME: (&'static str, &'static str) = ("mix", "two materials by their names, in a proportion");
+}
+
 /// A surface's material: how it scatters and what it emits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
@@ -221,6 +238,8 @@ pub struct Material {
     pub two_sided: bool,
     /// What changes over the surface; `None` where nothing does.
     pub maps: Option<Arc<Maps>>,
+    /// Other materials in place of `bsdf` and the relief.
+    pub mix: Option<Mix>,
 }
 
 impl Material {
@@ -232,6 +251,7 @@ impl Material {
             emission: Rgb::ZERO,
             two_sided: true,
             maps: None,
+            mix: None,
         }
     }
 }

@@ -48,6 +48,8 @@ pub struct Vertex {
     pub t: f32,
     /// Material id.
     pub material: u32,
+    /// The material that scatters: the same, or a part of it where it is a mixture.
+    pub part: u32,
     /// What led here.
     pub arrival: Arrival,
 }

@@ -132,7 +132,8 @@ impl Finder {
             let mut entries = HashMap::new();
             for entry in std::fs::read_dir(listed).into_iter().flatten().flatten() {
                 let name = entry.file_name();
-                let kept = entries.entry(name.to_string_lossy().to_lowercase()).or_insert_with(|| name.clone());
+                let kept =
+                    entries.entry(name.to_string_lossy().to_lowercase()).or_insert_with(|| name.clone());
                 if name < *kept {
                     *kept = name;
                 }

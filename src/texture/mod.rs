@@ -8,9 +8,9 @@
 mod lookup;
 mod opacity;
 mod relief;
-mod texels;
 #[cfg(test)]
 mod tests;
+mod texels;
 
 pub use lookup::{Filter, Wrap};
 pub use opacity::Opacity;

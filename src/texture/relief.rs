@@ -78,9 +78,7 @@ impl Relief {
         let [width, rows] = self.map.texels().size();
         let step = |scale: f32, texels: u32| 1.0 / (scale.abs().max(1e-6) * texels as f32);
         let (du, dv) = (Vec2::new(step(scale[0], width), 0.0), Vec2::new(0.0, step(scale[1], rows)));
-        let slope = |d: Vec2| {
-            (self.map.number(uv + d * 0.5) - self.map.number(uv - d * 0.5)) / (d.x + d.y)
-        };
+        let slope = |d: Vec2| (self.map.number(uv + d * 0.5) - self.map.number(uv - d * 0.5)) / (d.x + d.y);
         let (hu, hv) = (slope(du), slope(dv));
         let normal = tangents.dpdu.cross(tangents.dpdv);
         // Metres a width of the picture: the root of the area that it covers.

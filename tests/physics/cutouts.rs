@@ -49,7 +49,10 @@ fn opacities_of_a_half_and_a_quarter() {
                         exact *= 1.0 - opacity;
                     }
                     "mtl" => {
-                        mtl += &format!("newmtl m{i}\nKd 0 0 0\n{} {opacity}\n", if i == 0 { "d" } else { "Tr" });
+                        mtl += &format!(
+                            "newmtl m{i}\nKd 0 0 0\n{} {opacity}\n",
+                            if i == 0 { "d" } else { "Tr" }
+                        );
                         exact *= if i == 0 { 1.0 - opacity } else { *opacity };
                     }
                     _ => {
@@ -109,14 +112,17 @@ fn lamps_with_holes() {
     on_every_backend(|backend| {
         for lights in ["mis", "light", "bsdf"] {
             let files = vec![
-                ("s0.obj", b"mtllib m.mtl\nusemtl floor\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n".to_vec()),
+                (
+                    "s0.obj",
+                    b"mtllib m.mtl\nusemtl floor\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n"
+                        .to_vec(),
+                ),
                 ("s1.obj", lamp.as_bytes().to_vec()),
                 ("m.mtl", b"newmtl floor\nKd 1 1 1\nnewmtl lamp\nKd 0 0 0\nKe 2 2 2\nd 0.75\n".to_vec()),
             ];
-            let toml = scene(2, 1, 1024, "").replace("height = 1\n", "height = 1e-4\n").replace(
-                "position = [0, 0, 5]",
-                "position = [0, 0, 0.5]",
-            );
+            let toml = scene(2, 1, 1024, "")
+                .replace("height = 1\n", "height = 1e-4\n")
+                .replace("position = [0, 0, 5]", "position = [0, 0, 0.5]");
             let set = format!("render.lights={lights}");
             let exact = 0.75 * 2.0 * corner;
             let what = format!("{backend:?}, {lights}");
@@ -152,7 +158,10 @@ fn alpha_of_a_picture() {
             // At a quarter and at three quarters, where the two texels have their middles.
             let got = [image.rgb(4 * 8)[1], image.rgb(4 * 8 + 7)[1]];
             let near = got.iter().zip(want).all(|(g, w)| (g - w).abs() < 0.51);
-            assert!(near && (got[0] - want[0]).abs() + (got[1] - want[1]).abs() < 0.9, "{backend:?} {mtl:?}: {got:?}");
+            assert!(
+                near && (got[0] - want[0]).abs() + (got[1] - want[1]).abs() < 0.9,
+                "{backend:?} {mtl:?}: {got:?}"
+            );
             let middle = [image.rgb(4 * 8 + 2)[1], image.rgb(4 * 8 + 5)[1]];
             let close = middle.iter().zip(want).all(|(g, w): (&f32, f32)| (g - w).abs() < 0.3);
             assert!(close, "{backend:?} {alphas:?} {mtl:?}: {middle:?}");

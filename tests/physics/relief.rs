@@ -31,23 +31,120 @@ fn the_cosine_is_that_of_the_turned_normal() {
     let mirrored = SQUARE.replace("vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1", "vt 1 0\nvt 0 0\nvt 0 1\nvt 1 1");
     on_every_backend(|backend| {
         let key = |text: &str| format!("[materials.m]\n{text}\n");
-        let (map, bump) = ("normal_map = { texture = \"a.png\" }", "bump = { texture = \"a.png\", height = 0.5 }");
+        let (map, bump) =
+            ("normal_map = { texture = \"a.png\" }", "bump = { texture = \"a.png\", height = 0.5 }");
         for (what, square, map_bytes, keys, mtl, light, want) in [
             ("flat, from above", SQUARE, &flat, key(map), "", [0.0, 0.0, -1.0], 1.0),
             ("flat, slanted", SQUARE, &flat, key(map), "", [-0.6, 0.0, -0.8], 0.8),
             ("right, from above", SQUARE, &to_the_right, key(map), "", [0.0, 0.0, -1.0], nz / length),
-            ("right, from the right", SQUARE, &to_the_right, key(map), "", [-0.6, 0.0, -0.8], (0.6 * nx + 0.8 * nz) / length),
-            ("right, from the left", SQUARE, &to_the_right, key(map), "", [0.6, 0.0, -0.8], (0.8 * nz - 0.6 * nx) / length),
-            ("up, from above right", SQUARE, &up, key(map), "", [0.0, -0.6, -0.8], (0.6 * nx + 0.8 * nz) / length),
-            ("mirrored, from the left", &mirrored, &to_the_right, key(map), "", [0.6, 0.0, -0.8], (0.6 * nx + 0.8 * nz) / length),
-            ("no strength", SQUARE, &to_the_right, key("normal_map = { texture = \"a.png\", strength = 0 }"), "", [-0.6, 0.0, -0.8], 0.8),
-            ("norm of an MTL", SQUARE, &to_the_right, String::new(), "norm a.png", [-0.6, 0.0, -0.8], (0.6 * nx + 0.8 * nz) / length),
-            ("normals named bump", SQUARE, &to_the_right, String::new(), "map_Bump a.png", [-0.6, 0.0, -0.8], (0.6 * nx + 0.8 * nz) / length),
-            ("ramp, from above", SQUARE, &ramp, key(bump), "", [0.0, 0.0, -1.0], 1.0 / (1.0 + slope * slope).sqrt()),
-            ("ramp, from the left", SQUARE, &ramp, key(bump), "", [0.6, 0.0, -0.8], (0.8 + 0.6 * slope) / (1.0 + slope * slope).sqrt()),
-            ("ramp, mirrored", &mirrored, &ramp, key(bump), "", [-0.6, 0.0, -0.8], (0.8 + 0.6 * slope) / (1.0 + slope * slope).sqrt()),
-            ("ramp of an MTL", SQUARE, &ramp, String::new(), "map_Bump -bm 50 a.png", [0.6, 0.0, -0.8], (0.8 + 0.6 * slope) / (1.0 + slope * slope).sqrt()),
-            ("hollow", SQUARE, &ramp, String::new(), "bump -bm -50 a.png", [-0.6, 0.0, -0.8], (0.8 + 0.6 * slope) / (1.0 + slope * slope).sqrt()),
+            (
+                "right, from the right",
+                SQUARE,
+                &to_the_right,
+                key(map),
+                "",
+                [-0.6, 0.0, -0.8],
+                (0.6 * nx + 0.8 * nz) / length,
+            ),
+            (
+                "right, from the left",
+                SQUARE,
+                &to_the_right,
+                key(map),
+                "",
+                [0.6, 0.0, -0.8],
+                (0.8 * nz - 0.6 * nx) / length,
+            ),
+            (
+                "up, from above right",
+                SQUARE,
+                &up,
+                key(map),
+                "",
+                [0.0, -0.6, -0.8],
+                (0.6 * nx + 0.8 * nz) / length,
+            ),
+            (
+                "mirrored, from the left",
+                &mirrored,
+                &to_the_right,
+                key(map),
+                "",
+                [0.6, 0.0, -0.8],
+                (0.6 * nx + 0.8 * nz) / length,
+            ),
+            (
+                "no strength",
+                SQUARE,
+                &to_the_right,
+                key("normal_map = { texture = \"a.png\", strength = 0 }"),
+                "",
+                [-0.6, 0.0, -0.8],
+                0.8,
+            ),
+            (
+                "norm of an MTL",
+                SQUARE,
+                &to_the_right,
+                String::new(),
+                "norm a.png",
+                [-0.6, 0.0, -0.8],
+                (0.6 * nx + 0.8 * nz) / length,
+            ),
+            (
+                "normals named bump",
+                SQUARE,
+                &to_the_right,
+                String::new(),
+                "map_Bump a.png",
+                [-0.6, 0.0, -0.8],
+                (0.6 * nx + 0.8 * nz) / length,
+            ),
+            (
+                "ramp, from above",
+                SQUARE,
+                &ramp,
+                key(bump),
+                "",
+                [0.0, 0.0, -1.0],
+                1.0 / (1.0 + slope * slope).sqrt(),
+            ),
+            (
+                "ramp, from the left",
+                SQUARE,
+                &ramp,
+                key(bump),
+                "",
+                [0.6, 0.0, -0.8],
+                (0.8 + 0.6 * slope) / (1.0 + slope * slope).sqrt(),
+            ),
+            (
+                "ramp, mirrored",
+                &mirrored,
+                &ramp,
+                key(bump),
+                "",
+                [-0.6, 0.0, -0.8],
+                (0.8 + 0.6 * slope) / (1.0 + slope * slope).sqrt(),
+            ),
+            (
+                "ramp of an MTL",
+                SQUARE,
+                &ramp,
+                String::new(),
+                "map_Bump -bm 50 a.png",
+                [0.6, 0.0, -0.8],
+                (0.8 + 0.6 * slope) / (1.0 + slope * slope).sqrt(),
+            ),
+            (
+                "hollow",
+                SQUARE,
+                &ramp,
+                String::new(),
+                "bump -bm -50 a.png",
+                [-0.6, 0.0, -0.8],
+                (0.8 + 0.6 * slope) / (1.0 + slope * slope).sqrt(),
+            ),
         ] {
             let mtl = format!("newmtl m\nKd 1 1 1\n{mtl}\n").into_bytes();
             let files = [("m.obj", square.as_bytes().to_vec()), ("a.png", map_bytes.clone()), ("m.mtl", mtl)];
@@ -79,7 +176,10 @@ fn reliefs_do_not_leak() {
     let lamp = "[[light]]\ntype = \"point\"\nposition = [0, 0, 0]\nintensity = 100\n\
                 [[light]]\ntype = \"sphere\"\ncenter = [0, 0, 0]\nradius = 0.05\nradiance = 100\n";
     on_every_backend(|backend| {
-        for relief in ["normal_map = { texture = \"a.png\", strength = 3 }", "bump = { texture = \"a.png\", height = 1 }"] {
+        for relief in [
+            "normal_map = { texture = \"a.png\", strength = 3 }",
+            "bump = { texture = \"a.png\", height = 1 }",
+        ] {
             for model in ["\"diffuse\"\nreflectance = 0.8", "\"conductor\"\nroughness = 0.5", "\"mirror\""] {
                 for eye in ["[3, 2, 4]", "[0.7, 0.5, -0.6]"] {
                     let toml = format!(

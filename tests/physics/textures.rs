@@ -76,7 +76,8 @@ fn o25_checkers_as_textures() {
             let key = format!(
                 "[materials.m]\nreflectance = {{ texture = \"a.png\", filter = \"nearest\", offset = [{offset}, 0] }}\n"
             );
-            let files = [("m.obj", square(8.0, uv)), ("a.png", board.clone()), ("m.mtl", b"newmtl m\n".to_vec())];
+            let files =
+                [("m.obj", square(8.0, uv)), ("a.png", board.clone()), ("m.mtl", b"newmtl m\n".to_vec())];
             green(&scene(8.0, 8, 256, &key), &files, backend)
         };
         for (i, v) in pixels(4.0, 0.0).iter().enumerate() {
@@ -86,7 +87,10 @@ fn o25_checkers_as_textures() {
         }
         for (uv, offset) in [(4.0, 0.25), (8.0, 0.0)] {
             let got = pixels(uv, offset);
-            assert!(got.iter().all(|v| (v - 0.5).abs() < 0.02), "{backend:?}, {uv} periods, {offset}: {got:?}");
+            assert!(
+                got.iter().all(|v| (v - 0.5).abs() < 0.02),
+                "{backend:?}, {uv} periods, {offset}: {got:?}"
+            );
         }
     });
 }
@@ -112,11 +116,18 @@ fn o27_codes_as_reflectances() {
                 ("newmtl m\nKd 0.5 0.5 0.5\nmap_Kd a.png\n", "", 0.5 * linear),
                 ("newmtl m\nKd 1 1 1\nmap_Kd -mm 0.25 0.5 a.png\n", "", 0.25 + 0.5 * linear),
                 ("newmtl m\n", "[materials.m]\nreflectance = { texture = \"a.png\", raw = true }\n", share),
-                ("newmtl m\n", "[materials.m]\nreflectance = { texture = \"a.png\", gain = 0.5 }\n", 0.5 * linear),
+                (
+                    "newmtl m\n",
+                    "[materials.m]\nreflectance = { texture = \"a.png\", gain = 0.5 }\n",
+                    0.5 * linear,
+                ),
                 ("newmtl m\nKd 0.25 0.25 0.25\nmap_Kd a.png\n", "[materials.m]\nreflectance = 0.75\n", 0.75),
             ] {
                 let got = seen(mtl, keys);
-                assert!(got.iter().all(|v| near(*v, want)), "{backend:?}, {mtl:?} {keys:?}: {got:?} for {want}");
+                assert!(
+                    got.iter().all(|v| near(*v, want)),
+                    "{backend:?}, {mtl:?} {keys:?}: {got:?} for {want}"
+                );
             }
         }
     });
@@ -171,10 +182,11 @@ fn formats_agree() {
 fn filters_and_wraps() {
     let row = picture(2, &[BLACK, WHITE]);
     let at = |u: f64, keys: &str, backend| {
-        let toml = scene(1.0, 1, 4, &format!("[materials.m]\nreflectance = {{ texture = \"a.png\", {keys} }}\n"))
-            .replace("position = [0.5, 0.5, 5]", &format!("position = [{u}, 4, 5]"))
-            .replace("look_at = [0.5, 0.5, 0]", &format!("look_at = [{u}, 4, 0]"))
-            .replace("height = 1", "height = 1e-6");
+        let toml =
+            scene(1.0, 1, 4, &format!("[materials.m]\nreflectance = {{ texture = \"a.png\", {keys} }}\n"))
+                .replace("position = [0.5, 0.5, 5]", &format!("position = [{u}, 4, 5]"))
+                .replace("look_at = [0.5, 0.5, 0]", &format!("look_at = [{u}, 4, 0]"))
+                .replace("height = 1", "height = 1e-6");
         let files = [("m.obj", square(8.0, 8.0)), ("a.png", row.clone()), ("m.mtl", b"newmtl m\n".to_vec())];
         green(&toml, &files, backend)[0]
     };
@@ -235,7 +247,11 @@ fn options_of_an_mtl() {
             ([3.25, 3.75], "", red),
             ([0.25, 0.75], "-imfchan r", white),
             ([0.25, 0.75], "-imfchan g", [0.0; 3]),
-            ([0.25, 0.75], "-t 0.5 0.5 0.5 -blendu off -blendv off -cc on -texres 64 -boost 2 -type sphere", red),
+            (
+                [0.25, 0.75],
+                "-t 0.5 0.5 0.5 -blendu off -blendv off -cc on -texres 64 -boost 2 -type sphere",
+                red,
+            ),
         ] {
             let got = at(uv, options, backend);
             for (got, want) in got.iter().zip(want) {

@@ -5,9 +5,9 @@
 
 mod exr;
 mod pfm;
-pub(crate) mod texels;
 #[cfg(test)]
 mod tests;
+pub(crate) mod texels;
 
 use super::open::open_regular;
 use crate::error::{Error, Result};
@@ -103,7 +103,8 @@ fn kind_of(bytes: &[u8]) -> Option<Kind> {
 
 /// Targa files have no signature: a header that makes sense must do.
 fn is_targa(bytes: &[u8]) -> bool {
-    let Some(&[_, map, kind, _, _, _, _, map_bits, _, _, _, _, w0, w1, h0, h1, bits, _]) = bytes.first_chunk()
+    let Some(&[_, map, kind, _, _, _, _, map_bits, _, _, _, _, w0, w1, h0, h1, bits, _]) =
+        bytes.first_chunk()
     else {
         return false;
     };

@@ -60,7 +60,9 @@ pub(crate) fn probe(path: &Path) -> Result<Probe, Trouble> {
     let (mut file, length, kind) = open(path)?;
     let (size, bytes_a_pixel) = match kind {
         Kind::Exr => exr::size_of(&mut BufReader::new(&mut file)).map(|size| (size, 16)),
-        Kind::Pfm => pfm::header(&beginning(&mut file)?).map(|header| (header.size, 4 * header.channels as u64)),
+        Kind::Pfm => {
+            pfm::header(&beginning(&mut file)?).map(|header| (header.size, 4 * header.channels as u64))
+        }
         Kind::Coded(format) => {
             let decoder = reader(BufReader::new(&mut file), format, u64::MAX).into_decoder();
             let decoder = decoder.map_err(|_| Trouble::Damaged)?;

@@ -11,9 +11,9 @@ mod mesh;
 mod overrides;
 mod reader;
 mod render;
-mod texture;
 #[cfg(test)]
 mod tests;
+mod texture;
 mod tree;
 
 pub use overrides::Override;

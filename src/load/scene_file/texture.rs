@@ -116,7 +116,8 @@ fn read(field: &Field<'_>, key: &str, folder: &Path, finder: &mut Finder) -> Res
     table.finish()?;
     let found = Source::find(finder, folder, name.as_bytes());
     let source = found.map_or_else(|| Source::One(folder.join(name)), |found| found.0);
-    let stated = Stated { file: field.file().to_path_buf(), line: file.line(), title: field.name().to_string() };
+    let stated =
+        Stated { file: field.file().to_path_buf(), line: file.line(), title: field.name().to_string() };
     Ok(MapSpec { slot, source, mapping, fallback: None, stated })
 }
 

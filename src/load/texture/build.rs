@@ -62,7 +62,8 @@ fn texture(spec: &MapSpec, pictures: &Pictures) -> Option<Texture> {
     match &spec.source {
         Source::One(path) => Some(Texture::new(pictures.get(path)?.clone(), spec.mapping)),
         Source::Tiles(tiles) => {
-            let tiles = tiles.iter().filter_map(|(number, path)| Some((*number, pictures.get(path)?.clone())));
+            let tiles =
+                tiles.iter().filter_map(|(number, path)| Some((*number, pictures.get(path)?.clone())));
             Texture::tiles(tiles.collect(), spec.mapping, spec.fallback.unwrap_or(Rgb::ZERO))
         }
     }

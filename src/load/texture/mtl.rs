@@ -26,7 +26,13 @@ pub(crate) struct Search {
 }
 
 impl Search {
-    fn find(&mut self, key: &str, m: &MtlMaterial, texture: &At<mtl::Texture>, out: &mut Findings) -> Option<Source> {
+    fn find(
+        &mut self,
+        key: &str,
+        m: &MtlMaterial,
+        texture: &At<mtl::Texture>,
+        out: &mut Findings,
+    ) -> Option<Source> {
         let folder = m.library.parent().unwrap_or(Path::new(""));
         let name = &texture.value.file;
         let found = Source::find(&mut self.finder, folder, name.as_os_str().as_bytes());
@@ -37,12 +43,21 @@ impl Search {
                 None => {
                     let place = if folder == Path::new("") { Path::new(".") } else { folder };
                     let place = show_path(place);
-                    ("texture-missing", format!("{title}: the file that this {key} names was not found (its name counts from the folder {place})"))
+                    (
+                        "texture-missing",
+                        format!(
+                            "{title}: the file that this {key} names was not found (its name counts from the folder {place})"
+                        ),
+                    )
                 }
-                Some(Match::OtherCase) => {
-                    ("texture-other-case", format!("{title}: the file of this {key} was found as a name that differs in case"))
-                }
-                _ => ("texture-other-folder", format!("{title}: the file of this {key} was found in the library's own folder")),
+                Some(Match::OtherCase) => (
+                    "texture-other-case",
+                    format!("{title}: the file of this {key} was found as a name that differs in case"),
+                ),
+                _ => (
+                    "texture-other-folder",
+                    format!("{title}: the file of this {key} was found in the library's own folder"),
+                ),
             };
             let (file, line) = (m.library.clone(), texture.line);
             out.push(Finding { file, line, kind, message, severity: Severity::Warning });
@@ -80,12 +95,13 @@ pub(crate) fn of_mtl(
     let mut spec = model(name, &full);
     let bsdf = spec.clone().build().bsdf;
     // Glass is seen through already; what `d` says beside it is an exporter's habit.
-    let is_glass = matches!(bsdf, Bsdf::Dielectric(_));
+    let is_glass = bsdf.is_clear();
     spec.opacity = if is_glass { 1.0 } else { full.d.as_ref().map_or(1.0, |d| d.value) };
     for one in uses {
         let title = format!("{}: {}", m.title(), one.key);
         let stated = Stated { file: m.library.clone(), line: one.texture.line, title };
-        let Some(meaning) = meaning(one.key, &full, &bsdf).filter(|meaning| !(is_glass && meaning.is_opacity()))
+        let Some(meaning) =
+            meaning(one.key, &full, &bsdf).filter(|meaning| !(is_glass && meaning.is_opacity()))
         else {
             let message = format!("{} is not shown: the material has nothing that it changes", stated.title);
             let (file, line, kind) = (stated.file, stated.line, "texture-not-shown");
@@ -170,14 +186,17 @@ fn meaning(key: &str, m: &MtlMaterial, bsdf: &Bsdf) -> Option<Meaning> {
     };
     let number = |parameter: Parameter, stated: &Option<At<f32>>, fallback: f32| {
         let factor = Rgb::splat(stated.as_ref().map_or(1.0, |at| at.value));
-        let meaning = Meaning { slot: Slot::Parameter(parameter), transfer: Transfer::Linear, factor, fallback: None };
+        let meaning =
+            Meaning { slot: Slot::Parameter(parameter), transfer: Transfer::Linear, factor, fallback: None };
         has(&parameter).then_some(Meaning { fallback: Some(Rgb::splat(fallback)), ..meaning })
     };
     let relief = |slot| Some(Meaning { slot, transfer: Transfer::Linear, factor: Rgb::ONE, fallback: None });
     let is_mirror = matches!(bsdf, Bsdf::Mirror(_));
     match key {
         "map_Kd" if is_mirror => None,
-        "map_Kd" => color(&[Parameter::Reflectance, Parameter::Diffuse, Parameter::BaseColor], &m.kd, auto::CLAY),
+        "map_Kd" => {
+            color(&[Parameter::Reflectance, Parameter::Diffuse, Parameter::BaseColor], &m.kd, auto::CLAY)
+        }
         "map_Ks" if is_mirror => color(&[Parameter::Reflectance], &m.ks, Rgb::splat(0.5)),
         "map_Ks" => color(&[Parameter::Specular], &m.ks, Rgb::ZERO),
         "map_Ke" => {
@@ -201,8 +220,9 @@ fn meaning(key: &str, m: &MtlMaterial, bsdf: &Bsdf) -> Option<Meaning> {
 
 impl Use<'_> {
     fn spec(&self, meaning: &Meaning, stated: Stated) -> MapSpec {
-        let TextureOptions { scale, offset, bump_multiplier, clamp, base_gain: [base, gain], channel, .. } =
-            &self.texture.value.options;
+        let TextureOptions {
+            scale, offset, bump_multiplier, clamp, base_gain: [base, gain], channel, ..
+        } = &self.texture.value.options;
         let (mut slot, mut channel) = (meaning.slot, channel.map(part));
         match &mut slot {
             Slot::Height { height, .. } => *height *= bump_multiplier,

@@ -60,10 +60,8 @@ pub(super) fn load<'m>(
             }
         }
     }
-    let decoded: Vec<Option<Result<Texels, Trouble>>> = candidates
-        .par_iter()
-        .map(|(path, _, probe)| progress(1.0).then(|| texels(path, probe)))
-        .collect();
+    let decoded: Vec<Option<Result<Texels, Trouble>>> =
+        candidates.par_iter().map(|(path, _, probe)| progress(1.0).then(|| texels(path, probe))).collect();
     let mut pictures = Pictures::new();
     for ((path, stated, _), texels) in candidates.into_iter().zip(decoded) {
         match texels.ok_or_else(cancelled)? {
