@@ -1,4 +1,5 @@
-//! How surfaces scatter light: one file a model, the terms they share in [`fresnel`] and [`ggx`].
+//! How surfaces scatter light: one file a model, the terms they share in [`fresnel`], [`ggx`] and
+//! [`energy`].
 //!
 //! Directions are local: z along the shading normal, which is on the side of `wo`; `wo` points to the
 //! viewer and `wi` to the light, both unit and both away from the surface. `f_cos` is the BRDF times
@@ -10,12 +11,18 @@
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
+pub mod energy;
 pub mod fresnel;
 pub mod ggx;
 mod maps;
+pub mod metals;
 pub mod mirror;
+pub mod oren_nayar;
 pub mod parameter;
 pub mod phong;
+pub mod plastic;
+pub mod principled;
+pub mod sheen;
 pub mod translucent;
 
 pub use conductor::Conductor;
@@ -23,8 +30,11 @@ pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use maps::{Map, Maps};
 pub use mirror::Mirror;
+pub use oren_nayar::OrenNayar;
 pub use parameter::Parameter;
 pub use phong::Phong;
+pub use plastic::Plastic;
+pub use principled::Principled;
 pub use translucent::Translucent;
 
 use crate::math::{Rgb, Vec3};
@@ -59,12 +69,12 @@ pub trait Scatter {
     /// A direction by importance: `u` places it, `lobe` chooses between lobes. `None` absorbs.
     fn sample(&self, view: &View, u: [f32; 2], lobe: f32) -> Option<Sample>;
 
-    /// True when [`Scatter::eval`] is zero everywhere, so that light samples would be wasted. No model is both: one
-    /// that has [`Scatter::deltas`] has nothing else.
+    /// True when [`Scatter::eval`] is zero everywhere, so that light samples would be wasted: all there is, are
+    /// [`Scatter::deltas`].
     fn is_delta(&self) -> bool;
 
     /// The directions that only a delta chooses, for integrators that follow each of them instead of choosing by
-    /// chance: the sum of their weights is the mean weight of [`Scatter::sample`].
+    /// chance: the sum of their weights is the mean weight of the samples with infinite density.
     fn deltas(&self, _view: &View) -> [Option<Delta>; 2] {
         [None; 2]
     }
@@ -103,6 +113,12 @@ pub enum Bsdf {
     Dielectric(Dielectric),
     /// A thin sheet that scatters to both sides.
     Translucent(Translucent),
+    /// Lambert's law for rough surfaces.
+    OrenNayar(OrenNayar),
+    /// A clear coat over a diffuse base.
+    Plastic(Plastic),
+    /// Metal, clear body or coated base, with coat and sheen.
+    Principled(Principled),
 }
 
 impl Bsdf {
@@ -112,8 +128,11 @@ impl Bsdf {
         ("mirror", "a perfect mirror"),
         ("conductor", "a metal, smooth or rough (GGX)"),
         ("phong", "a diffuse base with Phong's highlight"),
-        ("dielectric", "clear glass or water, smooth"),
+        ("dielectric", "clear glass or water, smooth or rough (GGX), a body or a thin sheet"),
         ("translucent", "a thin sheet that scatters light to both sides"),
+        ("oren-nayar", "a rough matte surface (energy-preserving)"),
+        ("plastic", "a clear coat, smooth or rough, over a diffuse base"),
+        ("principled", "one model for most things: base, metal, glass, coat, sheen"),
     ];
 
     /// The model's place in [`Bsdf::NAMES`]; waves shade lanes of one kind together.
@@ -126,6 +145,23 @@ impl Bsdf {
             Bsdf::Phong(_) => 3,
             Bsdf::Dielectric(_) => 4,
             Bsdf::Translucent(_) => 5,
+            Bsdf::OrenNayar(_) => 6,
+            Bsdf::Plastic(_) => 7,
+            Bsdf::Principled(_) => 8,
+        }
+    }
+
+    /// The model's name in scene files.
+    pub fn name(&self) -> &'static str {
+        Bsdf::NAMES.get(self.kind()).map_or("", |row| row.0)
+    }
+
+    /// True for what is seen through though all of it is there.
+    pub fn is_clear(&self) -> bool {
+        match self {
+            Bsdf::Dielectric(_) => true,
+            Bsdf::Principled(m) => m.look().transmission > 0.0,
+            _ => false,
         }
     }
 
@@ -136,8 +172,11 @@ impl Bsdf {
             Bsdf::Mirror(m) => m.reflectance,
             Bsdf::Conductor(m) => m.albedo(),
             Bsdf::Phong(m) => m.albedo(),
-            Bsdf::Dielectric(m) => m.tint,
+            Bsdf::Dielectric(m) => m.albedo(),
             Bsdf::Translucent(m) => m.albedo(),
+            Bsdf::OrenNayar(m) => m.albedo(),
+            Bsdf::Plastic(m) => m.albedo(),
+            Bsdf::Principled(m) => m.albedo(),
         }
     }
 
@@ -150,6 +189,9 @@ impl Bsdf {
             Bsdf::Phong(m) => m.set(parameter, value),
             Bsdf::Dielectric(m) => m.set(parameter, value),
             Bsdf::Translucent(m) => m.set(parameter, value),
+            Bsdf::OrenNayar(m) => m.set(parameter, value),
+            Bsdf::Plastic(m) => m.set(parameter, value),
+            Bsdf::Principled(m) => m.set(parameter, value),
         }
     }
 
@@ -158,9 +200,29 @@ impl Bsdf {
         match self {
             Bsdf::Diffuse(_) | Bsdf::Mirror(_) => false,
             Bsdf::Conductor(m) => m.compensates(),
-            Bsdf::Phong(_) | Bsdf::Dielectric(_) | Bsdf::Translucent(_) => true,
+            Bsdf::Phong(_)
+            | Bsdf::Dielectric(_)
+            | Bsdf::Translucent(_)
+            | Bsdf::OrenNayar(_)
+            | Bsdf::Plastic(_)
+            | Bsdf::Principled(_) => true,
         }
     }
+}
+
+/// Two materials of which each hit takes one by chance, so that the picture is their mixture. Emission, opacity and
+/// sides are the mixture's own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mix {
+    /// Ids of materials that come before the mixture's own.
+    pub parts: [u32; 2],
+    /// The share of the second, 0 to 1.
+    pub amount: f32,
+}
+
+impl Mix {
+    /// The name in scene files, with what it is, beside [`Bsdf::NAMES`].
+    pub const NAME: (&'static str, &'static str) = ("mix", "two materials by their names, in a proportion");
 }
 
 /// A surface's material: how it scatters and what it emits.
@@ -176,6 +238,8 @@ pub struct Material {
     pub two_sided: bool,
     /// What changes over the surface; `None` where nothing does.
     pub maps: Option<Arc<Maps>>,
+    /// Other materials in place of `bsdf` and the relief.
+    pub mix: Option<Mix>,
 }
 
 impl Material {
@@ -187,6 +251,7 @@ impl Material {
             emission: Rgb::ZERO,
             two_sided: true,
             maps: None,
+            mix: None,
         }
     }
 }

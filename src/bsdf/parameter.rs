@@ -58,7 +58,7 @@ pub enum Channels {
 
 impl Parameter {
     /// Every parameter with its key in scene files, its channels and its range.
-    pub const NAMES: &'static [(Parameter, &'static str, Channels, [f32; 2])] = &[
+    pub const NAMES: &'static [(Parameter, &'static str, Channels, [f64; 2])] = &[
         (Parameter::Reflectance, "reflectance", Channels::Color, [0.0, 1.0]),
         (Parameter::Transmittance, "transmittance", Channels::Color, [0.0, 1.0]),
         (Parameter::Diffuse, "diffuse", Channels::Color, [0.0, 1.0]),
@@ -88,7 +88,7 @@ impl Parameter {
 
     /// The parameter's line of [`Parameter::NAMES`], which are in the order of the variants.
     #[inline(always)]
-    fn row(self) -> &'static (Parameter, &'static str, Channels, [f32; 2]) {
+    fn row(self) -> &'static (Parameter, &'static str, Channels, [f64; 2]) {
         &Parameter::NAMES[self as usize]
     }
 
@@ -104,7 +104,7 @@ impl Parameter {
 
     /// The values that it takes.
     pub fn range(self) -> [f32; 2] {
-        self.row().3
+        self.row().3.map(|end| end as f32)
     }
 
     /// `value` brought into the range; what is not a number becomes the lower end.

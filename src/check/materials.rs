@@ -94,7 +94,7 @@ fn place(definition: &MtlMaterial) -> (PathBuf, u64) {
 pub(super) fn of_scene(scene: &Scene, uses: &[u64]) -> Vec<MaterialReport> {
     let report = |(material, &triangles): (&crate::bsdf::Material, &u64)| MaterialReport {
         name: material.name.clone(),
-        model: crate::bsdf::Bsdf::NAMES.get(material.bsdf.kind()).map_or("", |row| row.0),
+        model: if material.mix.is_some() { crate::bsdf::Mix::NAME.0 } else { material.bsdf.name() },
         triangles,
         emits: material.emission != Rgb::ZERO,
         defined: None,

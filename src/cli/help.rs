@@ -1,7 +1,7 @@
 //! What `--help` and `--version` say; lists of names come from the code that owns them.
 
 use drt::accel::Backend;
-use drt::bsdf::{Bsdf, fresnel::METALS};
+use drt::bsdf::{Bsdf, Mix, metals::METALS};
 use drt::camera::Projection;
 use drt::converge::integrals::INTEGRALS;
 use drt::converge::report;
@@ -94,7 +94,7 @@ pub fn topics() -> String {
     list("rule of the distribution integrator", &mut HemisphereRule::TABLE.iter().map(|r| (r.0, r.1)));
     list("measure of its random directions", &mut Measure::TABLE.iter().map(|r| (r.0, r.1)));
     list("camera", &mut Projection::NAMES.iter().copied());
-    list("material", &mut Bsdf::NAMES.iter().copied());
+    list("material", &mut Bsdf::NAMES.iter().copied().chain([Mix::NAME]));
     list("texture filter", &mut texture::Filter::TABLE.iter().map(|r| (r.0, r.1)));
     list("texture wrap", &mut texture::Wrap::TABLE.iter().map(|r| (r.0, r.1)));
     list("light", &mut Light::NAMES.iter().copied());

@@ -8,7 +8,7 @@ use crate::film::PixelPoints;
 use crate::film::filter::FilterSampler;
 use crate::light::{Emission, Lights, Sampled};
 use crate::quadrature::hemisphere::HemisphereRule;
-use crate::sampler::{Sampler, SamplerKind};
+use crate::sampler::{Key, Sampler, SamplerKind, scatter};
 use crate::scene::{IntegratorKind, LightSampling, Scene, Settings};
 use crate::shape::Mesh;
 use std::sync::Arc;
@@ -36,6 +36,8 @@ pub struct Context<'a> {
     pub samples_lights: bool,
     /// True when a BSDF of the scene chooses between lobes.
     pub has_lobes: bool,
+    /// True when a material of the scene is a mixture of others.
+    pub has_mixes: bool,
     /// True when a surface of the scene has holes.
     pub has_cutouts: bool,
     /// Width and height of the full picture.
@@ -88,9 +90,26 @@ impl<'a> Context<'a> {
             random: Sampler::new(SamplerKind::Random, settings.seed, settings.spp),
             samples_lights,
             has_lobes,
+            has_mixes: scene.materials.iter().any(|m| m.mix.is_some()),
             has_cutouts,
             size: settings.size,
         })
+    }
+
+    /// The material that scatters where a ray meets `material`: of a mixture the part that a number of the sample
+    /// chooses, the same for every part of the program that asks.
+    #[inline(always)]
+    pub fn part(&self, material: u32, key: Key, depth: u32, branch: u32) -> u32 {
+        let mut part = material;
+        // Parts come before what they are mixed to, so this ends.
+        while self.has_mixes
+            && let Some(mix) = self.materials[part as usize].mix
+        {
+            let place = scatter(part ^ scatter(branch ^ scatter(depth)));
+            let second = self.sampler.d1(key, Dimensions::MIX | (place >> 3)) < mix.amount;
+            part = mix.parts[usize::from(second)];
+        }
+        part
     }
 
     /// False on the black side of a one-sided material.
@@ -133,6 +152,8 @@ impl Dimensions {
     const ROULETTE: u32 = 1 << 20;
     /// Whether a hit of a surface with holes counts: one a triangle and place on the path, scattered over 30 bits.
     pub const CUTOUT: u32 = 1 << 30;
+    /// Whose part of a mixture is met; the place among them is hashed.
+    const MIX: u32 = 1 << 29;
 
     fn new(lens: bool, lobes: bool, lights: bool) -> Dimensions {
         let lobes = u32::from(lobes);

@@ -84,8 +84,8 @@ impl Integrator for Distribution {
             return;
         }
         let fan = self.fan(v.arrival.depth);
+        self.follow_deltas(v, bsdf, fan.count(), out);
         if bsdf.is_delta() {
-            self.follow_deltas(v, bsdf, fan.count(), out);
             return;
         }
         for light in cx.lights.deltas(&v.surface) {
@@ -147,11 +147,13 @@ impl Distribution {
         (branch, self.numbers.branch(v.arrival.key, nodes, branch))
     }
 
-    /// Mirror and glass: every direction that they choose gets a branch of its own.
+    /// Mirrors, glass and smooth coats: every direction that they choose gets a branch of its own.
     #[inline(always)]
     fn follow_deltas<B: Scatter>(&self, v: &Vertex, bsdf: &B, count: u32, out: &mut impl Sink) {
         let [first, second] = bsdf.deltas(&v.view);
         let (branch, _) = self.branch(v, count, 0);
+        // Beside a fan of directions the branches of the deltas must be others than the fan's.
+        let branch = if bsdf.is_delta() { branch } else { scatter(!branch) };
         for (delta, branch) in [(first, branch), (second, scatter(branch))] {
             let Some(delta) = delta else { continue };
             let d = v.frame.to_world(delta.wi);
@@ -187,6 +189,9 @@ impl Distribution {
         }
         let lobe = if cx.has_lobes { self.numbers.d1(key, dimensions.lobe) } else { 0.0 };
         let Some(sample) = bsdf.sample(&v.view, self.numbers.d2(key, dimensions.bsdf), lobe) else { return };
+        if sample.pdf == f32::INFINITY {
+            return; // deltas have been followed
+        }
         let d = v.frame.to_world(sample.wi);
         let pdf = competing_pdf(self.lights, cx.samples_lights, sample.pdf);
         // At the last depth a ray of density zero has nothing left to find.

@@ -48,6 +48,8 @@ pub struct Vertex {
     pub t: f32,
     /// Material id.
     pub material: u32,
+    /// The material that scatters: the same, or a part of it where it is a mixture.
+    pub part: u32,
     /// What led here.
     pub arrival: Arrival,
 }
@@ -164,13 +166,14 @@ fn connect<B: Scatter>(
 }
 
 /// The density that the ray along a BSDF sample of density `pdf` carries, so that what it meets weighs its light
-/// against light sampling; `light_sampled`: whether this vertex took light samples.
+/// against light sampling; `light_sampled`: whether this vertex took light samples. They never find what a delta
+/// chose.
 #[inline(always)]
 fn competing_pdf(lights: LightSampling, light_sampled: bool, pdf: f32) -> f32 {
     match lights {
         LightSampling::Mis => pdf,
         LightSampling::Bsdf => f32::INFINITY,
-        LightSampling::Light if light_sampled => 0.0,
+        LightSampling::Light if light_sampled && pdf < f32::INFINITY => 0.0,
         LightSampling::Light => f32::INFINITY,
     }
 }

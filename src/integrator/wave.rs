@@ -121,7 +121,7 @@ impl Wave {
         while let Some(depth) = piece {
             self.extend(job, depth);
             self.stats.intersect_seconds += lap(&mut clock);
-            self.group(job.cx);
+            self.group(job.cx, depth);
             self.shade(job, depth, tile);
             self.stats.shade_seconds += lap(&mut clock);
             self.connect(job);
@@ -207,7 +207,7 @@ impl Wave {
 
     /// Sorts lanes by what they met, keeping their order within a group.
     #[inline(always)]
-    fn group(&mut self, cx: &Context<'_>) {
+    fn group(&mut self, cx: &Context<'_>, depth: u32) {
         for group in &mut self.groups.of {
             group.clear();
         }
@@ -218,7 +218,10 @@ impl Wave {
                 0 // a lamp, or nothing at all
             } else {
                 let material = cx.meshes[mesh as usize].materials.get(triangle as usize);
-                1 + cx.materials[material as usize].bsdf.kind()
+                let path = &self.current.paths[i / LANES];
+                let key = self.pushed.slots[path.slot[i % LANES] as usize].key;
+                let part = cx.part(material, key, depth, path.branch[i % LANES]);
+                1 + cx.materials[part as usize].bsdf.kind()
             };
             self.groups.of[group].push(i as u32);
         }
@@ -260,6 +263,9 @@ impl Wave {
         shade_kind!(4, Bsdf::Phong);
         shade_kind!(5, Bsdf::Dielectric);
         shade_kind!(6, Bsdf::Translucent);
+        shade_kind!(7, Bsdf::OrenNayar);
+        shade_kind!(8, Bsdf::Plastic);
+        shade_kind!(9, Bsdf::Principled);
         self.groups = groups;
     }
 
@@ -281,7 +287,7 @@ impl Wave {
                 let pixel = self.pushed.slots[slot as usize].pixel as usize;
                 tile.add_first_hit(pixel, arrival.key.index, &first_hit(job.cx, &v, ids));
             }
-            let material = &job.cx.materials[v.material as usize];
+            let material = &job.cx.materials[v.part as usize];
             let Some(plain) = bsdf(material) else { continue };
             let textured;
             let bsdf = match &material.maps {
@@ -313,12 +319,16 @@ impl Wave {
         let mut surface = Surface::new(mesh, triangle, hits.u[lane], hits.v[lane]);
         let wo = -self.current.rays[chunk].d(lane);
         let material = mesh.materials.get(triangle as usize);
-        if let Some(maps) = &cx.materials[material as usize].maps {
+        let part = cx.part(material, arrival.key, arrival.depth, arrival.branch);
+        if let Some(maps) = &cx.materials[part as usize].maps {
             surface.ns = maps.normal(&surface, mesh, triangle as usize);
         }
         let frame = surface.frame_towards(wo);
         let view = View { wo: frame.to_local(wo), outside: surface.ng.dot(wo) > 0.0 };
-        (Vertex { surface, frame, wo, view, t: hits.t[lane], material, arrival }, [id, triangle, material])
+        (
+            Vertex { surface, frame, wo, view, t: hits.t[lane], material, part, arrival },
+            [id, triangle, material],
+        )
     }
 
     /// Traces the shadow rays; what is free reaches its sample.
@@ -380,7 +390,7 @@ fn camera_ray(cx: &Context<'_>, x: u32, y: u32, key: Key) -> (Ray, f32) {
 }
 
 fn first_hit(cx: &Context<'_>, v: &Vertex, ids: [u32; 3]) -> FirstHit {
-    let material = &cx.materials[v.material as usize];
+    let material = &cx.materials[v.part as usize];
     let mut bsdf = material.bsdf.clone();
     if let Some(maps) = &material.maps {
         maps.each(v.surface.uv, |parameter, value| {

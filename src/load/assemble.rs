@@ -203,6 +203,61 @@ impl<'p> Palette<'p> {
         }
     }
 
+    /// Adds a material, and before it the parts of which it is mixed: `own` are those of its mesh file. `within`: the
+    /// mixtures that it is a part of.
+    fn add_whole(
+        &mut self,
+        mut spec: MaterialSpec,
+        own: &[MaterialSpec],
+        file: usize,
+        within: &[&str],
+    ) -> Result<u32> {
+        if let Some(mut mix) = spec.mix.take() {
+            for (name, id) in mix.names.iter().zip(&mut mix.ids) {
+                *id = self.part(name, &spec.name, own, file, within)?;
+            }
+            let emission = mix.ids.map(|id| self.specs.get(id as usize).map_or(Rgb::ZERO, |s| s.emission));
+            if spec.emission == Rgb::ZERO {
+                spec.emission = emission[0].lerp(emission[1], mix.amount);
+            }
+            spec.mix = Some(mix);
+        }
+        Ok(self.add(spec))
+    }
+
+    /// The id of the part `name` of the mixture `whole`.
+    fn part(
+        &mut self,
+        name: &str,
+        whole: &str,
+        own: &[MaterialSpec],
+        file: usize,
+        within: &[&str],
+    ) -> Result<u32> {
+        let within: Vec<&str> = within.iter().copied().chain([whole]).collect();
+        let patches = self.patches;
+        // Only a patch makes a mixture, so there is one to blame.
+        let blame = || patches.get(whole).map(|patch| patch as &MaterialPatch<'_>);
+        if within.contains(&name) {
+            return Err(blame().map_or_else(|| Error::new("a mixture of itself"), MaterialPatch::own_part));
+        }
+        let in_file = own.iter().find(|m| m.name == name);
+        if in_file.is_none() && !patches.contains_key(name) {
+            let known: Vec<&str> = patches.keys().map(String::as_str).filter(|n| *n != whole).collect();
+            let message = || Error::new(format!("unknown material \"{name}\""));
+            return Err(blame().map_or_else(message, |patch| patch.missing_part(name, &known)));
+        }
+        let key = (name.to_string(), in_file.map(|_| file));
+        if let Some(id) = self.named.get(&key) {
+            return Ok(*id);
+        }
+        let base = in_file.cloned().unwrap_or_else(|| MaterialSpec::diffuse(name, auto::CLAY));
+        let spec = self.patched(base)?;
+        let id = self.add_whole(spec, own, file, &within)?;
+        self.named.insert(key, id);
+        Ok(id)
+    }
+
     /// The materials of a mesh: the one it names, or the file's own.
     fn choose(&mut self, mesh: &MeshPlan<'_>, file: usize, object: Option<&Object>) -> Result<Choice> {
         let own: &[MaterialSpec] = object.map_or(&[], |o| &o.materials);
@@ -224,7 +279,7 @@ impl<'p> Palette<'p> {
         }
         let base = in_file.cloned().unwrap_or_else(|| MaterialSpec::diffuse(name, auto::CLAY));
         let spec = self.patched(base)?;
-        let id = self.add(spec);
+        let id = self.add_whole(spec, own, file, &[])?;
         self.named.insert(key, id);
         Ok(Choice::One(id))
     }
@@ -236,7 +291,7 @@ impl<'p> Palette<'p> {
         let mut ids = Vec::with_capacity(own.len());
         for spec in own {
             let spec = self.patched(spec.clone())?;
-            ids.push(self.add(spec));
+            ids.push(self.add_whole(spec, own, file, &[])?);
         }
         if let Some(slot) = self.of_file.get_mut(file) {
             *slot = Some(ids.clone());

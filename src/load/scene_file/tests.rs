@@ -1,4 +1,6 @@
 use super::*;
+use crate::bsdf::fresnel::Reflectance;
+use crate::bsdf::{Bsdf, Conductor};
 use crate::camera::Projection;
 use crate::error::Blame;
 use crate::film::{Aov, Filter};
@@ -333,7 +335,7 @@ fn any_text_is_read_or_refused() {
 
 #[test]
 fn every_registered_model_and_filter_can_be_named() {
-    for (name, _) in crate::bsdf::Bsdf::NAMES {
+    for (name, _) in Bsdf::NAMES {
         let text = format!("[materials.m]\ntype = \"{name}\"");
         let base = crate::load::materials::MaterialSpec::diffuse("m", Rgb::ONE);
         let model = with(&text, &[], |plan| plan.materials["m"].apply(base).unwrap().model.name()).unwrap();
@@ -351,20 +353,16 @@ fn every_registered_model_and_filter_can_be_named() {
 
 #[test]
 fn without_a_type_only_the_keys_given_change() {
+    let white = Reflectance::Constant(Rgb::splat(0.9));
     let metal = crate::load::materials::MaterialSpec {
-        model: crate::load::materials::Model::Conductor {
-            reflectance: crate::bsdf::fresnel::Reflectance::Constant(Rgb::splat(0.9)),
-            alpha: 0.04,
-            compensate: true,
-        },
+        model: Bsdf::Conductor(Conductor::new(white, 0.04, true)),
         emission: Rgb::splat(3.0),
         ..crate::load::materials::MaterialSpec::diffuse("m", Rgb::ONE)
     };
     let patched = |text: &str| with(text, &[], |plan| plan.materials["m"].apply(metal.clone())).unwrap();
     let changed = patched("[materials.m]\nroughness = 0.5").unwrap();
     assert_eq!(changed.emission, metal.emission);
-    let crate::load::materials::Model::Conductor { reflectance, alpha, .. } = changed.model else { panic!() };
-    assert_eq!((reflectance.average(), alpha), (Rgb::splat(0.9), 0.25));
+    assert_eq!(changed.model, Bsdf::Conductor(Conductor::new(white, 0.25, true)));
     assert_eq!(patched("[materials.m]\ntype = \"mirror\"").unwrap().model.name(), "mirror");
     let wrong = patched("[materials.m]\ncompensate = false\nexponent = 3").unwrap_err();
     assert_eq!((wrong.line, wrong.column), (Some(3), Some(12)));

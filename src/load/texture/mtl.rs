@@ -95,7 +95,7 @@ pub(crate) fn of_mtl(
     let mut spec = model(name, &full);
     let bsdf = spec.clone().build().bsdf;
     // Glass is seen through already; what `d` says beside it is an exporter's habit.
-    let is_glass = matches!(bsdf, Bsdf::Dielectric(_));
+    let is_glass = bsdf.is_clear();
     spec.opacity = if is_glass { 1.0 } else { full.d.as_ref().map_or(1.0, |d| d.value) };
     for one in uses {
         let title = format!("{}: {}", m.title(), one.key);
