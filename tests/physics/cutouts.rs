@@ -66,7 +66,7 @@ fn opacities_of_a_half_and_a_quarter() {
             }
             files.push(("m.mtl".into(), mtl.into_bytes()));
             let files: Vec<(&str, Vec<u8>)> = files.iter().map(|(n, b)| (n.as_str(), b.clone())).collect();
-            let toml = scene(opacities.len(), 0, 64, &format!("{materials}{SKY}"));
+            let toml = scene(opacities.len(), 0, 256, &format!("{materials}{SKY}"));
             let what = format!("{backend:?}, {opacities:?} by {way}");
             stage_bytes(&toml, &files, backend, &[]).statistics().expect(&what, exact, 0.0);
         }
