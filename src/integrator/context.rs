@@ -47,14 +47,12 @@ impl<'a> Context<'a> {
     /// A camera that cannot be, or a grid of pixel points without a weight.
     pub fn new(scene: &'a Scene, settings: &Settings) -> Result<Context<'a>> {
         let emission = |m: &Material| Emission { radiance: m.emission, two_sided: m.two_sided };
-        let bounds = scene.bounds();
         let lights = Lights::new(
             &scene.meshes,
             scene.materials.iter().map(emission).collect(),
             &scene.lights,
-            0.5 * bounds.extent().length(),
             Sampled {
-                any_environment: settings.lights == LightSampling::Light,
+                alone: settings.lights == LightSampling::Light,
                 deltas: !matches!(settings.integrator, IntegratorKind::Distribution { .. }),
             },
         );
@@ -69,7 +67,11 @@ impl<'a> Context<'a> {
         Ok(Context {
             meshes: &scene.meshes,
             materials: &scene.materials,
-            dimensions: Dimensions::new(camera.has_lens(), has_lobes, samples_lights),
+            dimensions: Dimensions::new(
+                camera.has_lens(),
+                has_lobes,
+                samples_lights.then(|| lights.has_choice()),
+            ),
             lights,
             camera,
             pixel: PixelPoints::new(settings.rule, FilterSampler::new(settings.filter))?,
@@ -120,9 +122,11 @@ impl Dimensions {
     /// Roulette's dimensions begin here, out of the way of the others.
     const ROULETTE: u32 = 1 << 20;
 
-    fn new(lens: bool, lobes: bool, lights: bool) -> Dimensions {
+    /// `lights`: whether they are sampled, and then whether there is a choice among them.
+    fn new(lens: bool, lobes: bool, lights: Option<bool>) -> Dimensions {
         let lobes = u32::from(lobes);
-        Dimensions { first: if lens { 4 } else { 2 }, stride: 2 + lobes + if lights { 3 } else { 0 }, lobes }
+        let lights = lights.map_or(0, |choice| 2 + u32::from(choice));
+        Dimensions { first: if lens { 4 } else { 2 }, stride: 2 + lobes + lights, lobes }
     }
 
     /// The dimensions of the vertex that is reached after `depth` scattering events.
