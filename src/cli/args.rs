@@ -258,7 +258,7 @@ pub fn bytes(flag: &str, word: &str) -> Result<u64> {
     let upper = word.trim().to_uppercase();
     let short = upper.strip_suffix("IB").or_else(|| upper.strip_suffix('B')).unwrap_or(&upper);
     let (number, power) = match short.char_indices().last() {
-        Some((end, unit)) if unit.is_ascii_alphabetic() => ((&short[..end]).trim(), "KMGT".find(unit)),
+        Some((end, unit)) if unit.is_ascii_alphabetic() => (short[..end].trim(), "KMGT".find(unit)),
         _ => (short.trim(), Some(usize::MAX)),
     };
     let factor = power.map(|power| 1024f64.powi(power.wrapping_add(1) as i32));
