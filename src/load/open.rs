@@ -122,7 +122,8 @@ impl Finder {
             let fitting = self.listing(&path).get(&wanted.to_string_lossy().to_lowercase())?.clone();
             path = path.join(fitting);
         }
-        Some(path)
+        // A link that leads nowhere is listed, too.
+        path.exists().then_some(path)
     }
 
     /// The entries of a folder; none where it cannot be listed.

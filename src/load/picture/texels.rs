@@ -35,7 +35,7 @@ impl Trouble {
             Trouble::Empty => "is empty".to_string(),
             Trouble::Unknown => format!("is no picture that can be read (known: {})", super::KNOWN),
             Trouble::TooLarge => {
-                format!("is too large for a texture (at most {MOST_PIXELS} pixels of some bytes each)")
+                format!("is too large for a texture (at most {MOST_PIXELS} pixels)")
             }
             Trouble::Damaged => "is damaged or incomplete".to_string(),
         }
