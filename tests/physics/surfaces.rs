@@ -39,8 +39,9 @@ fn ggx_albedo(degrees: f64, alpha: f64) -> f64 {
     let n = 1000;
     let mut sum = 0.0;
     for i in 0..n {
-        let u = (f64::from(i) + 0.5) / f64::from(n);
-        let tan2 = alpha * alpha * u / (1.0 - u);
+        // u = 1 − v²: grazing normals count as 1/√(1 − u), which midpoints in u would not see.
+        let v = (f64::from(i) + 0.5) / f64::from(n);
+        let tan2 = alpha * alpha * (1.0 - v * v) / (v * v);
         let mz = 1.0 / (1.0 + tan2).sqrt();
         let mr = (1.0 - mz * mz).sqrt();
         for j in 0..n {
@@ -48,7 +49,7 @@ fn ggx_albedo(degrees: f64, alpha: f64) -> f64 {
             let om = s * mx + c * mz;
             let iz = 2.0 * om * mz - c;
             if om > 0.0 && iz > 0.0 {
-                sum += om / (c * mz) / (1.0 + lambda(c) + lambda(iz));
+                sum += 2.0 * v * om / (c * mz) / (1.0 + lambda(c) + lambda(iz));
             }
         }
     }
@@ -57,6 +58,8 @@ fn ggx_albedo(degrees: f64, alpha: f64) -> f64 {
 
 #[test]
 fn ggx_has_its_albedo_at_every_angle() {
+    // Known in closed form where α is 1, seen from above.
+    assert!((ggx_albedo(0.0, 1.0) - (1.0 - 2f64.ln())).abs() < 1e-6);
     on_every_backend(|backend| {
         for roughness in [0.3, 0.6, 1.0] {
             for degrees in [0.0, 45.0, 75.0, 85.0] {
@@ -99,7 +102,7 @@ fn panes_pass_what_slabs_do() {
             let files = [("sheet.obj", square(2.0, 0.0)), ("wall.obj", square(50.0, -0.1))];
             for (rest, exact) in [(wall(1.0), (1.0 - f) / (1.0 + f)), (wall(0.0) + SKY, 2.0 * f / (1.0 + f))]
             {
-                stage(&sheet(degrees, 1024, 8, &rest), &files, backend, &[]).statistics().expect(
+                stage(&sheet(degrees, 256, 8, &rest), &files, backend, &[]).statistics().expect(
                     &format!("{degrees}°"),
                     exact,
                     1e-4,
@@ -135,7 +138,7 @@ fn white_surfaces_vanish() {
             ("type = \"dielectric\"\nior = 1.5\nroughness = 0.3", 5e-3),
             ("type = \"dielectric\"\nior = 1.5\nroughness = 0.7", 5e-3),
             ("type = \"dielectric\"\nior = 1.5\nroughness = 0.6\nthin = true", 5e-3),
-            ("type = \"conductor\"\nreflectance = 1.0\nroughness = 0.6\nanisotropy = 0.8", 8e-3),
+            ("type = \"conductor\"\nreflectance = 1.0\nroughness = 0.6\nanisotropy = 0.8", 5e-3),
             ("type = \"plastic\"\nreflectance = 1.0", 1e-4),
             ("type = \"plastic\"\nreflectance = 1.0\nroughness = 0.5\nnonlinear = true", 3e-3),
             ("type = \"oren-nayar\"\nreflectance = 1.0\nroughness = 1.0", 1e-4),
@@ -158,7 +161,7 @@ fn plastic_has_its_albedo() {
                     format!("{SKY}[materials.m]\ntype = \"plastic\"\nior = 1.5\nreflectance = {rho}\n");
                 // f = T(o)·T(i)·ρ/(π·T̄) integrates to T(o)·ρ.
                 let exact = f + (1.0 - f) * rho;
-                stage(&sheet(degrees, 1024, 1, &rest), &[("sheet.obj", square(2.0, 0.0))], backend, &[])
+                stage(&sheet(degrees, 256, 1, &rest), &[("sheet.obj", square(2.0, 0.0))], backend, &[])
                     .statistics()
                     .expect(&format!("ρ {rho} at {degrees}°"), exact, 1e-4);
             }
@@ -210,7 +213,7 @@ fn mixtures_are_the_mean_of_their_parts() {
             ("materials = [\"c\", \"b\"]", 0.45),
         ] {
             let rest = format!("{SKY}{parts}[materials.m]\ntype = \"mix\"\n{mix}\n");
-            stage(&sheet(30.0, 1024, 1, &rest), &[("sheet.obj", square(2.0, 0.0))], backend, &[])
+            stage(&sheet(30.0, 256, 1, &rest), &[("sheet.obj", square(2.0, 0.0))], backend, &[])
                 .statistics()
                 .expect(mix, exact, 1e-4);
         }
