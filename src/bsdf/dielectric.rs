@@ -121,7 +121,6 @@ impl Dielectric {
 
     /// What a facet that reflects `f` by itself sends back and lets through. For a sheet the two sums over the light
     /// that goes to and fro inside: F + (1−F)²τ²F/(1 − F²τ²) and (1−F)²τ/(1 − F²τ²), (1−F)/(1+F) where τ is 1.
-    #[inline(always)]
     fn split(&self, f: f32) -> (Rgb, Rgb) {
         if !self.thin {
             return (Rgb::splat(f), self.tint * (1.0 - f));
@@ -139,7 +138,6 @@ impl Dielectric {
     }
 
     /// Where light through a facet goes.
-    #[inline(always)]
     fn refracted(&self, wo: Vec3, m: Vec3, eta: f32) -> Vec3 {
         if self.thin {
             // A sheet sends to the other side what its facets would reflect.
@@ -151,7 +149,6 @@ impl Dielectric {
     }
 
     /// The smooth boundary's reflection and refraction.
-    #[inline(always)]
     fn smooth(&self, view: &View) -> (f32, Delta, Delta) {
         let (wo, eta) = (view.wo, self.eta(view));
         let (f, cos_t) = fresnel::dielectric(wo.z, eta);
@@ -166,7 +163,6 @@ impl Dielectric {
     }
 
     /// (f_cos, pdf) of single scattering at the facets.
-    #[inline(always)]
     fn single(&self, wo: Vec3, wi: Vec3, eta: f32) -> (Rgb, f32) {
         let lo = ggx::lambda(wo, self.widths);
         let li = ggx::lambda(wi, self.widths);
@@ -192,7 +188,6 @@ impl Dielectric {
 
     /// The share of samples that go to single scattering, the directional loss, and how the rest divides; `None`
     /// where nothing is given back.
-    #[inline(always)]
     fn given_back(&self, view: &View) -> Option<(f32, f32, f32)> {
         if !self.compensate {
             return None;
@@ -209,7 +204,6 @@ impl Dielectric {
     }
 
     /// (1 − E(i))/(1 − E_avg) of the side that `wi` is on.
-    #[inline(always)]
     fn arriving(&self, view: &View, wi: Vec3) -> f32 {
         if self.thin {
             let table = energy();
@@ -224,7 +218,6 @@ impl Dielectric {
 }
 
 /// The facet that refracts between `wo` and `wi` on different sides.
-#[inline(always)]
 fn refracting_facet(wo: Vec3, wi: Vec3, eta: f32) -> Option<Facet> {
     let h = (wo + wi * eta).try_normalize()?;
     let m = if h.z < 0.0 { -h } else { h };
@@ -235,7 +228,6 @@ fn refracting_facet(wo: Vec3, wi: Vec3, eta: f32) -> Option<Facet> {
 }
 
 impl Scatter for Dielectric {
-    #[inline(always)]
     fn eval(&self, view: &View, wi: Vec3) -> (Rgb, f32) {
         if self.is_smooth() || wi.z == 0.0 {
             return (Rgb::ZERO, 0.0);
@@ -253,7 +245,6 @@ impl Scatter for Dielectric {
         (single + multiple, share * pdf + (1.0 - share) * side * cos_pdf)
     }
 
-    #[inline(always)]
     fn sample(&self, view: &View, u: [f32; 2], lobe: f32) -> Option<Sample> {
         if self.is_smooth() {
             let (share, reflected, refracted) = self.smooth(view);
@@ -284,7 +275,6 @@ impl Scatter for Dielectric {
         self.is_smooth()
     }
 
-    #[inline(always)]
     fn deltas(&self, view: &View) -> [Option<Delta>; 2] {
         if !self.is_smooth() {
             return [None; 2];
@@ -298,7 +288,6 @@ impl Scatter for Dielectric {
         !self.is_smooth()
     }
 
-    #[inline(always)]
     fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
         let value = parameter.clamp(value);
         match parameter {

@@ -10,7 +10,7 @@ use std::f32::consts::FRAC_1_PI;
 pub const SMOOTH: f32 = 1e-4;
 
 /// α along x and along y for a surface of width `alpha` and `anisotropy` in [−1, 1]: positive makes the highlight
-/// longer along y (the grain runs along x). The aspect is Burley's (2012), and no α exceeds 1.
+/// longer along x (the grain runs along y). The aspect is Burley's (2012), and no α exceeds 1.
 #[inline(always)]
 pub fn widths(alpha: f32, anisotropy: f32) -> Vec2 {
     let aspect = (1.0 - 0.9 * anisotropy.abs()).sqrt();

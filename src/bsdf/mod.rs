@@ -6,7 +6,9 @@
 //! |cos θi| (the notes' ρ·(n·d_i) of eq. 1); `pdf` is per solid angle, and infinite for a direction that
 //! only a delta can choose.
 //!
-//! A new model is one file, one variant of [`Bsdf`] and one line in [`Bsdf::NAMES`].
+//! A new model is one file, one variant of [`Bsdf`] and one line in [`Bsdf::NAMES`]. The small ones are inlined into the
+//! integrators' loops; the larger ones, whose own work outweighs a call, are not, or they would be compiled for each
+//! integrator and instruction set.
 
 pub mod conductor;
 pub mod dielectric;

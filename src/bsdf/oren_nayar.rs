@@ -36,7 +36,6 @@ impl OrenNayar {
 
     /// E(μ), the directional albedo of single scattering for ρ = 1:
     /// A_F·(1 + r/π·(sinθ(θ − sinθcosθ) + ⅔(tanθ(1 − sin³θ) − sinθ))).
-    #[inline(always)]
     fn directional(&self, mu: f32) -> f32 {
         let mu = mu.clamp(0.0, 1.0);
         let s = (1.0 - mu * mu).sqrt();
@@ -55,7 +54,6 @@ impl OrenNayar {
 }
 
 impl Scatter for OrenNayar {
-    #[inline(always)]
     fn eval(&self, view: &View, wi: Vec3) -> (Rgb, f32) {
         let wo = view.wo;
         if wi.z <= 0.0 {
@@ -71,7 +69,6 @@ impl Scatter for OrenNayar {
         ((single + self.multiple * lost.max(0.0)) * cos_pdf, (1.0 - uniform) * cos_pdf + uniform / TAU)
     }
 
-    #[inline(always)]
     fn sample(&self, view: &View, u: [f32; 2], lobe: f32) -> Option<Sample> {
         let wi = if lobe < self.uniform_share(view.wo.z) {
             let z = 1.0 - u[0];
@@ -90,7 +87,6 @@ impl Scatter for OrenNayar {
         false
     }
 
-    #[inline(always)]
     fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
         let value = parameter.clamp(value);
         match parameter {

@@ -68,7 +68,6 @@ impl Plastic {
         self.smooth_average = 1.0 - fresnel::dielectric_average(self.ior);
     }
 
-    #[inline(always)]
     fn balance(&mut self) {
         self.widths = Vec2::splat(self.alpha);
         let average = if self.is_smooth() {
@@ -108,7 +107,6 @@ impl Plastic {
 }
 
 impl Scatter for Plastic {
-    #[inline(always)]
     fn eval(&self, view: &View, wi: Vec3) -> (Rgb, f32) {
         let wo = view.wo;
         if wi.z <= 0.0 {
@@ -130,7 +128,6 @@ impl Scatter for Plastic {
         (base + Rgb::splat(f * common / (1.0 + lo + li)), base_pdf + share * common / (1.0 + lo))
     }
 
-    #[inline(always)]
     fn sample(&self, view: &View, u: [f32; 2], lobe: f32) -> Option<Sample> {
         let wo = view.wo;
         let e_o = self.reflected(wo.z);
@@ -156,13 +153,11 @@ impl Scatter for Plastic {
         self.is_smooth() && self.inner == 0.0
     }
 
-    #[inline(always)]
     fn deltas(&self, view: &View) -> [Option<Delta>; 2] {
         let weight = || Rgb::splat(self.reflected(view.wo.z));
         [self.is_smooth().then(|| Delta { wi: reflect(view.wo), weight: weight() }), None]
     }
 
-    #[inline(always)]
     fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
         let value = parameter.clamp(value);
         match parameter {

@@ -15,4 +15,5 @@ mod invariance;
 mod lamps;
 mod materials;
 mod relief;
+mod surfaces;
 mod textures;

@@ -17,7 +17,7 @@ fn cell(wi: Vec3) -> usize {
 
 /// The density's mass in every cell, by a midpoint grid within it.
 fn masses(model: &dyn Scatter, view: &View) -> Vec<f64> {
-    let fine = 24;
+    let fine = 16;
     let mut masses = vec![0.0; ROWS * COLUMNS];
     for (i, mass) in masses.iter_mut().enumerate() {
         let (row, column) = (i / COLUMNS, i % COLUMNS);
@@ -157,7 +157,7 @@ fn ring_cell(axes: &[Frame; 2], wi: Vec3) -> usize {
 }
 
 fn ring_masses(model: &Model, axes: &[Frame; 2], view: &View) -> Vec<f64> {
-    let (fine, across) = (16, 12);
+    let (fine, across) = (12, 8);
     let mut masses = vec![0.0; 2 * RINGS * SECTORS];
     for (cell, mass) in masses.iter_mut().enumerate() {
         let (side, i, sector) = (cell / SECTORS / RINGS, cell / SECTORS % RINGS, cell % SECTORS);
