@@ -12,4 +12,7 @@ mod direct;
 mod harness;
 mod invariance;
 mod lamps;
+mod lenses;
+mod many;
 mod materials;
+mod skies;
