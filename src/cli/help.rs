@@ -30,6 +30,10 @@ EXAMPLES
       how open each place is to its surroundings
   drt kitchen.toml --set camera.fov=60 --set light.0.radiance=2
       a scene file with two of its keys changed
+  drt bunny.obj --ground --sky evening.hdr
+      lit by a picture of all directions
+  drt kitchen.toml --set camera.aperture=0.02 --focus 320,200
+      a lens, focused on what that pixel sees
   drt kitchen.toml --crop 600,200,128,128 --spp 4096
       a part of the picture at full quality, with the pixels of the whole
   drt check scan.obj

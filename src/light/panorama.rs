@@ -217,10 +217,7 @@ impl Panorama {
     #[inline]
     pub fn pdf(&self, compensated: bool, wi: Vec3) -> f32 {
         let Some(density) = self.density(compensated) else { return 0.0 };
-        let cos = self.axes[1].dot(wi);
-        let sin = wi.cross(self.axes[1]).length();
-        debug_assert!((sin * sin + cos * cos - 1.0).abs() < 1e-3);
-        self.pdf_at(density, self.place(wi), sin)
+        self.pdf_at(density, self.place(wi), wi.cross(self.axes[1]).length())
     }
 }
 

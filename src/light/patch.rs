@@ -34,9 +34,10 @@ pub struct PatchPoint {
     pub by_solid_angle: Option<f32>,
 }
 
-/// By solid angle up to this distance, squared, in squares of the patch's longest extent. Farther away cos θ/d² hardly
-/// varies over the patch, and the density by area costs next to nothing. (Cornell box: see tests/README.md.)
-const NEAR: f32 = 4.0;
+/// By solid angle up to this distance, squared, in squares of the patch's longest extent. Farther away cos θ/d² varies
+/// little over the patch, and the density by area costs next to nothing: in the Cornell box 4 takes 6 % of the error away
+/// and costs 8 % more time, 2 takes 1 % away at no cost.
+const NEAR: f32 = 2.0;
 /// Smaller solid angles are left to sampling by area: they come from grazing views, where their digits are few.
 const SMALLEST: [f32; 2] = [1e-4, 5e-3];
 
@@ -104,7 +105,7 @@ impl Patch {
     }
 
     /// The density with which [`Patch::sample`] would have chosen a point at `distance_squared` from `from`, whose normal
-    /// is seen there under the cosine `cos`; `sampled`: the density that sampling the point gave, if by solid angle.
+    /// is seen there under the cosine `cos`.
     #[inline(always)]
     pub fn pdf(&self, from: Vec3, distance_squared: f32, cos: f32) -> f32 {
         let solid_angle = match self {

@@ -378,7 +378,7 @@ fn place_all(
 
 fn place_light(light: &LightPlan, origin: DVec3, up: DVec3, forward: DVec3) -> Vec<Light> {
     if let LightPlan::SunSky(daylight) = light {
-        return daylight.lights(up);
+        return daylight.lights();
     }
     let one = match light {
         LightPlan::Constant(radiance) => {
@@ -447,6 +447,9 @@ pub(super) fn apply_look(plan: &mut Plan<'_>, is_bare: bool, options: &Options<'
             return Err(Error::usage("--up: the scene sets camera.up").advise("use --set camera.up=[0,0,1]"));
         }
         plan.camera.up = Some(up.vector());
+        for light in &mut plan.lights {
+            light.set_up(up.vector());
+        }
     }
     if options.view.is_some() && plan.camera.position.is_some() {
         return Err(Error::usage("--view: the scene places the camera")

@@ -62,9 +62,14 @@ pub(super) fn read(light: &mut Section<'_>) -> Result<SunSkyPlan> {
 }
 
 impl SunSkyPlan {
-    /// The sky and the sun; `up` for a plan that says none.
-    pub fn lights(&self, up: DVec3) -> Vec<Light> {
-        let up = self.up.unwrap_or(up).normalize_or(DVec3::Y);
+    /// Sets the zenith where the file does not.
+    pub fn set_up(&mut self, up: DVec3) {
+        self.up.get_or_insert(up);
+    }
+
+    /// The sky and the sun. The zenith is +y unless something else was said: it is no matter of the camera.
+    pub fn lights(&self) -> Vec<Light> {
+        let up = self.up.unwrap_or(DVec3::Y).normalize_or(DVec3::Y);
         let front = Bearings::new(up).front;
         let (to_sun, elevation) = self.sun_place(up, front);
         let day = Daylight::new(self.turbidity, elevation);

@@ -34,6 +34,15 @@ pub(crate) enum LightPlan {
 }
 
 impl LightPlan {
+    /// Sets the zenith of a map or of daylight where the file does not; built-in skies have the camera's.
+    pub fn set_up(&mut self, zenith: DVec3) {
+        match self {
+            LightPlan::Picture { up, .. } => _ = up.get_or_insert(zenith),
+            LightPlan::SunSky(daylight) => daylight.set_up(zenith),
+            _ => {}
+        }
+    }
+
     /// True for light from infinitely far away.
     pub fn is_environment(&self) -> bool {
         matches!(self, Self::Constant(_) | Self::Sky { .. } | Self::Picture { .. } | Self::SunSky(_))
