@@ -1,5 +1,5 @@
 //! Picture files become linear colours: .exr, .hdr and .pfm as they are, the others from sRGB; or the compact texels
-//! of a texture, which leave open what codes mean ([`texels`]).
+//! of a texture, which leave open what codes mean (`texels`).
 //!
 //! The format is told from the first bytes, not from the name. Sizes are checked before anything is decoded.
 
