@@ -1,18 +1,22 @@
 //! Metals: GGX microfacets that reflect with a constant or a measured reflectance.
 
+use super::energy::{energy, grain_energy};
 use super::fresnel::Reflectance;
-use super::{Delta, Sample, Scatter, View, ggx, reflect};
+use super::ggx::{self, SMOOTH};
+use super::{Delta, Parameter, Sample, Scatter, View, reflect};
 use crate::math::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
-use crate::math::{Rgb, Vec3};
-
-/// Below this GGX α the surface is a mirror: its lobe is narrower than f32 can resolve.
-const SMOOTH: f32 = 1e-4;
+use crate::math::{Rgb, Vec2, Vec3};
 
 /// A metal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductor {
     reflectance: Reflectance,
+    /// The reflectance's average over the hemisphere.
+    average: Rgb,
     alpha: f32,
+    anisotropy: f32,
+    /// α along x and y.
+    widths: Vec2,
     /// Give back the energy that light scattered more than once between facets carries.
     compensate: bool,
     /// The multiple-scattering lobe's colour over 1 − E_avg (Kulla and Conty 2017).
@@ -23,16 +27,51 @@ impl Conductor {
     /// A metal with GGX width `alpha` = roughness², 0 (a mirror) to 1. `compensate` adds the light that
     /// single scattering loses, so that a perfectly reflecting metal reflects everything.
     pub fn new(reflectance: Reflectance, alpha: f32, compensate: bool) -> Conductor {
-        let compensate = compensate && alpha >= SMOOTH;
-        let multiple = if compensate {
-            let e = ggx::energy().average(alpha);
-            let f = reflectance.average();
+        let average = reflectance.average();
+        let (anisotropy, widths, multiple) = (0.0, Vec2::splat(alpha), Rgb::ZERO);
+        let mut metal = Conductor { reflectance, average, alpha, anisotropy, widths, compensate, multiple };
+        metal.balance();
+        metal
+    }
+
+    /// The metal with another reflectance.
+    pub fn with_reflectance(mut self, reflectance: Reflectance) -> Conductor {
+        (self.reflectance, self.average) = (reflectance, reflectance.average());
+        self.balance();
+        self
+    }
+
+    /// The metal with or without compensation.
+    pub fn with_compensation(mut self, compensate: bool) -> Conductor {
+        self.compensate = compensate;
+        self.balance();
+        self
+    }
+
+    /// Sets what depends on the other numbers.
+    #[inline(always)]
+    fn balance(&mut self) {
+        self.widths = ggx::widths(self.alpha, self.anisotropy);
+        if self.compensates() {
+            let e = if self.anisotropy == 0.0 {
+                energy().average(self.alpha)
+            } else {
+                grain_energy().average(self.alpha, self.anisotropy)
+            };
+            let f = self.average;
             // F_ms = F²·E_avg / (1 − F·(1 − E_avg)): light that was scattered twice or more.
-            f * f * e / ((Rgb::ONE - f * (1.0 - e)) * (1.0 - e).max(1e-6))
+            self.multiple = f * f * e / ((Rgb::ONE - f * (1.0 - e)) * (1.0 - e).max(1e-6));
+        }
+    }
+
+    /// The share of light that one scattering keeps on a white metal.
+    #[inline(always)]
+    fn kept(&self, w: Vec3) -> f32 {
+        if self.anisotropy == 0.0 {
+            energy().directional(w.z, self.alpha)
         } else {
-            Rgb::ZERO
-        };
-        Conductor { reflectance, alpha, compensate, multiple }
+            grain_energy().directional(w, self.alpha, self.anisotropy)
+        }
     }
 
     /// GGX α.
@@ -42,18 +81,18 @@ impl Conductor {
 
     /// True when a second lobe gives multiple scattering back.
     pub fn compensates(&self) -> bool {
-        self.compensate
+        self.compensate && self.alpha >= SMOOTH
     }
 
     /// Average reflectance.
     pub fn albedo(&self) -> Rgb {
-        self.reflectance.average()
+        self.average
     }
 
     /// The share of samples that go to the microfacet lobe.
     #[inline(always)]
     fn single_share(&self, e_o: f32) -> f32 {
-        if self.compensate { e_o.clamp(0.1, 1.0) } else { 1.0 }
+        if self.compensates() { e_o.clamp(0.1, 1.0) } else { 1.0 }
     }
 
     /// (f_cos, pdf) of the microfacet lobe alone.
@@ -64,8 +103,8 @@ impl Conductor {
             return (Rgb::ZERO, 0.0);
         }
         let m = h.normalize();
-        let d = ggx::d(m, self.alpha);
-        let (lo, li) = (ggx::lambda(wo, self.alpha), ggx::lambda(wi, self.alpha));
+        let d = ggx::d(m, self.widths);
+        let (lo, li) = (ggx::lambda(wo, self.widths), ggx::lambda(wi, self.widths));
         // f·cos θi = F·D·G2/(4 cos θo); the visible-normal density of wi is D·G1/(4 cos θo).
         let common = d / (4.0 * wo.z);
         (self.reflectance.at(wo.dot(m)) * (common / (1.0 + lo + li)), common / (1.0 + lo))
@@ -80,11 +119,10 @@ impl Scatter for Conductor {
             return (Rgb::ZERO, 0.0);
         }
         let (single, single_pdf) = self.single(wo, wi);
-        if !self.compensate {
+        if !self.compensates() {
             return (single, single_pdf);
         }
-        let table = ggx::energy();
-        let (e_o, e_i) = (table.directional(wo.z, self.alpha), table.directional(wi.z, self.alpha));
+        let (e_o, e_i) = (self.kept(wo), self.kept(wi));
         let cos_pdf = cosine_hemisphere_pdf(wi.z);
         let multiple = self.multiple * ((1.0 - e_o) * (1.0 - e_i) * cos_pdf);
         let share = self.single_share(e_o);
@@ -98,10 +136,9 @@ impl Scatter for Conductor {
             let weight = self.reflectance.at(wo.z);
             return Some(Sample { wi: reflect(wo), weight, pdf: f32::INFINITY });
         }
-        let single =
-            !self.compensate || lobe < self.single_share(ggx::energy().directional(wo.z, self.alpha));
+        let single = !self.compensates() || lobe < self.single_share(self.kept(wo));
         let wi = if single {
-            let m = ggx::sample_visible_normal(wo, self.alpha, u);
+            let m = ggx::sample_visible_normal(wo, self.widths, u);
             m * (2.0 * wo.dot(m)) - wo
         } else {
             cosine_hemisphere(u)
@@ -122,5 +159,22 @@ impl Scatter for Conductor {
     fn deltas(&self, view: &View) -> [Option<Delta>; 2] {
         let mirror = || Delta { wi: reflect(view.wo), weight: self.reflectance.at(view.wo.z) };
         [self.is_delta().then(mirror), None]
+    }
+
+    #[inline(always)]
+    fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
+        let value = parameter.clamp(value);
+        match parameter {
+            Parameter::Reflectance => {
+                self.reflectance = Reflectance::Constant(value);
+                self.average = value;
+            }
+            Parameter::Roughness => self.alpha = value.x * value.x,
+            Parameter::Alpha => self.alpha = value.x,
+            Parameter::Anisotropy => self.anisotropy = value.x,
+            _ => return false,
+        }
+        self.balance();
+        true
     }
 }

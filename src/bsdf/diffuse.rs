@@ -1,6 +1,6 @@
 //! Lambert's law: f = ρ/π.
 
-use super::{Sample, Scatter, View};
+use super::{Parameter, Sample, Scatter, View};
 use crate::math::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::math::{Rgb, Vec3};
 use std::f32::consts::FRAC_1_PI;
@@ -30,5 +30,15 @@ impl Scatter for Diffuse {
     #[inline(always)]
     fn is_delta(&self) -> bool {
         false
+    }
+
+    #[inline(always)]
+    fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
+        let value = parameter.clamp(value);
+        match parameter {
+            Parameter::Reflectance => self.reflectance = value,
+            _ => return false,
+        }
+        true
     }
 }

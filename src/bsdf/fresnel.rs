@@ -33,11 +33,20 @@ pub fn dielectric(cos: f32, eta: f32) -> (f32, f32) {
     (0.5 * (parallel * parallel + perpendicular * perpendicular), cos_t)
 }
 
+/// The cosine-weighted average 2∫F(μ)μdμ of [`dielectric`].
+pub fn dielectric_average(eta: f32) -> f32 {
+    let n = 256;
+    let term = |i: usize| f64::from(dielectric(((i as f32 + 0.5) / n as f32).sqrt(), eta).0);
+    ((0..n).map(term).sum::<f64>() / n as f64) as f32
+}
+
 /// How a conductor reflects at normal incidence and beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reflectance {
     /// The same at all angles.
     Constant(Rgb),
+    /// Schlick's approximation (1994): this at normal incidence, 1 at grazing.
+    Schlick(Rgb),
     /// A complex index of refraction per channel.
     Index {
         /// Real part.
@@ -53,6 +62,10 @@ impl Reflectance {
     pub fn at(&self, cos: f32) -> Rgb {
         match self {
             Reflectance::Constant(r) => *r,
+            Reflectance::Schlick(r) => {
+                let m = (1.0 - cos).clamp(0.0, 1.0);
+                *r + (Rgb::ONE - *r) * (m * m * m * m * m)
+            }
             Reflectance::Index { eta, k } => {
                 let channel = |i: usize| conductor(f64::from(cos), f64::from(eta[i]), f64::from(k[i])) as f32;
                 Rgb::new(channel(0), channel(1), channel(2))
@@ -64,6 +77,7 @@ impl Reflectance {
     pub fn average(&self) -> Rgb {
         match self {
             Reflectance::Constant(r) => *r,
+            Reflectance::Schlick(r) => *r + (Rgb::ONE - *r) / 21.0,
             Reflectance::Index { .. } => {
                 let n = 64;
                 let mean = |i: usize| {
@@ -75,14 +89,3 @@ impl Reflectance {
         }
     }
 }
-
-/// Metals by name: (name, eta, k) in linear Rec.709, from the spectra of the pure metals as renderers
-/// commonly tabulate them.
-pub const METALS: &[(&str, [f32; 3], [f32; 3])] = &[
-    ("aluminium", [1.657, 0.880, 0.521], [9.224, 6.270, 4.837]),
-    ("chromium", [4.370, 2.917, 1.654], [5.206, 4.231, 3.755]),
-    ("copper", [0.200, 0.924, 1.102], [3.912, 2.452, 2.142]),
-    ("gold", [0.143, 0.375, 1.442], [3.983, 2.386, 1.603]),
-    ("silver", [0.155, 0.117, 0.138], [4.828, 3.122, 2.147]),
-    ("tungsten", [4.371, 3.300, 2.998], [3.501, 2.605, 2.273]),
-];

@@ -1,6 +1,6 @@
 //! A perfect mirror.
 
-use super::{Delta, Sample, Scatter, View, reflect};
+use super::{Delta, Parameter, Sample, Scatter, View, reflect};
 use crate::math::{Rgb, Vec3};
 
 /// A perfect mirror with constant reflectance.
@@ -29,5 +29,15 @@ impl Scatter for Mirror {
     #[inline(always)]
     fn deltas(&self, view: &View) -> [Option<Delta>; 2] {
         [Some(Delta { wi: reflect(view.wo), weight: self.reflectance }), None]
+    }
+
+    #[inline(always)]
+    fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
+        let value = parameter.clamp(value);
+        match parameter {
+            Parameter::Reflectance => self.reflectance = value,
+            _ => return false,
+        }
+        true
     }
 }

@@ -1,29 +1,46 @@
-//! How surfaces scatter light: one file a model, the terms they share in [`fresnel`] and [`ggx`].
+//! How surfaces scatter light: one file a model, the terms they share in [`fresnel`], [`ggx`] and
+//! [`energy`].
 //!
 //! Directions are local: z along the shading normal, which is on the side of `wo`; `wo` points to the
 //! viewer and `wi` to the light, both unit and both away from the surface. `f_cos` is the BRDF times
 //! |cos θi| (the notes' ρ·(n·d_i) of eq. 1); `pdf` is per solid angle, and infinite for a direction that
 //! only a delta can choose.
 //!
-//! A new model is one file, one variant of [`Bsdf`] and one line in [`Bsdf::NAMES`].
+//! A new model is one file, one variant of [`Bsdf`] and one line in [`Bsdf::NAMES`]. The small ones are inlined into the
+//! integrators' loops; the larger ones, whose own work outweighs a call, are not, or they would be compiled for each
+//! integrator and instruction set.
 
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
+pub mod energy;
 pub mod fresnel;
 pub mod ggx;
+mod maps;
+pub mod metals;
 pub mod mirror;
+pub mod oren_nayar;
+pub mod parameter;
 pub mod phong;
+pub mod plastic;
+pub mod principled;
+pub mod sheen;
 pub mod translucent;
 
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use maps::{Map, Maps};
 pub use mirror::Mirror;
+pub use oren_nayar::OrenNayar;
+pub use parameter::Parameter;
 pub use phong::Phong;
+pub use plastic::Plastic;
+pub use principled::Principled;
 pub use translucent::Translucent;
 
 use crate::math::{Rgb, Vec3};
+use std::sync::Arc;
 
 /// A direction chosen by [`Scatter::sample`].
 #[derive(Clone, Copy, Debug)]
@@ -54,12 +71,12 @@ pub trait Scatter {
     /// A direction by importance: `u` places it, `lobe` chooses between lobes. `None` absorbs.
     fn sample(&self, view: &View, u: [f32; 2], lobe: f32) -> Option<Sample>;
 
-    /// True when [`Scatter::eval`] is zero everywhere, so that light samples would be wasted. No model is both: one
-    /// that has [`Scatter::deltas`] has nothing else.
+    /// True when [`Scatter::eval`] is zero everywhere, so that light samples would be wasted: all there is, are
+    /// [`Scatter::deltas`].
     fn is_delta(&self) -> bool;
 
     /// The directions that only a delta chooses, for integrators that follow each of them instead of choosing by
-    /// chance: the sum of their weights is the mean weight of [`Scatter::sample`].
+    /// chance: the sum of their weights is the mean weight of the samples with infinite density.
     fn deltas(&self, _view: &View) -> [Option<Delta>; 2] {
         [None; 2]
     }
@@ -68,6 +85,10 @@ pub trait Scatter {
     fn transmits(&self) -> bool {
         false
     }
+
+    /// Gives `parameter` the value, clamped to its range; a number is the first channel. False where the model has
+    /// no such parameter. Cheap enough to be done at every hit.
+    fn set(&mut self, parameter: Parameter, value: Rgb) -> bool;
 }
 
 /// One of the directions of [`Scatter::deltas`].
@@ -94,6 +115,12 @@ pub enum Bsdf {
     Dielectric(Dielectric),
     /// A thin sheet that scatters to both sides.
     Translucent(Translucent),
+    /// Lambert's law for rough surfaces.
+    OrenNayar(OrenNayar),
+    /// A clear coat over a diffuse base.
+    Plastic(Plastic),
+    /// Metal, clear body or coated base, with coat and sheen.
+    Principled(Principled),
 }
 
 impl Bsdf {
@@ -103,8 +130,11 @@ impl Bsdf {
         ("mirror", "a perfect mirror"),
         ("conductor", "a metal, smooth or rough (GGX)"),
         ("phong", "a diffuse base with Phong's highlight"),
-        ("dielectric", "clear glass or water, smooth"),
+        ("dielectric", "clear glass or water, smooth or rough (GGX), a body or a thin sheet"),
         ("translucent", "a thin sheet that scatters light to both sides"),
+        ("oren-nayar", "a rough matte surface (energy-preserving)"),
+        ("plastic", "a clear coat, smooth or rough, over a diffuse base"),
+        ("principled", "one model for most things: base, metal, glass, coat, sheen"),
     ];
 
     /// The model's place in [`Bsdf::NAMES`]; waves shade lanes of one kind together.
@@ -117,6 +147,23 @@ impl Bsdf {
             Bsdf::Phong(_) => 3,
             Bsdf::Dielectric(_) => 4,
             Bsdf::Translucent(_) => 5,
+            Bsdf::OrenNayar(_) => 6,
+            Bsdf::Plastic(_) => 7,
+            Bsdf::Principled(_) => 8,
+        }
+    }
+
+    /// The model's name in scene files.
+    pub fn name(&self) -> &'static str {
+        Bsdf::NAMES.get(self.kind()).map_or("", |row| row.0)
+    }
+
+    /// True for what is seen through though all of it is there.
+    pub fn is_clear(&self) -> bool {
+        match self {
+            Bsdf::Dielectric(_) => true,
+            Bsdf::Principled(m) => m.look().transmission > 0.0,
+            _ => false,
         }
     }
 
@@ -127,8 +174,26 @@ impl Bsdf {
             Bsdf::Mirror(m) => m.reflectance,
             Bsdf::Conductor(m) => m.albedo(),
             Bsdf::Phong(m) => m.albedo(),
-            Bsdf::Dielectric(m) => m.tint,
+            Bsdf::Dielectric(m) => m.albedo(),
             Bsdf::Translucent(m) => m.albedo(),
+            Bsdf::OrenNayar(m) => m.albedo(),
+            Bsdf::Plastic(m) => m.albedo(),
+            Bsdf::Principled(m) => m.albedo(),
+        }
+    }
+
+    /// [`Scatter::set`] of the model.
+    pub fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
+        match self {
+            Bsdf::Diffuse(m) => m.set(parameter, value),
+            Bsdf::Mirror(m) => m.set(parameter, value),
+            Bsdf::Conductor(m) => m.set(parameter, value),
+            Bsdf::Phong(m) => m.set(parameter, value),
+            Bsdf::Dielectric(m) => m.set(parameter, value),
+            Bsdf::Translucent(m) => m.set(parameter, value),
+            Bsdf::OrenNayar(m) => m.set(parameter, value),
+            Bsdf::Plastic(m) => m.set(parameter, value),
+            Bsdf::Principled(m) => m.set(parameter, value),
         }
     }
 
@@ -137,9 +202,29 @@ impl Bsdf {
         match self {
             Bsdf::Diffuse(_) | Bsdf::Mirror(_) => false,
             Bsdf::Conductor(m) => m.compensates(),
-            Bsdf::Phong(_) | Bsdf::Dielectric(_) | Bsdf::Translucent(_) => true,
+            Bsdf::Phong(_)
+            | Bsdf::Dielectric(_)
+            | Bsdf::Translucent(_)
+            | Bsdf::OrenNayar(_)
+            | Bsdf::Plastic(_)
+            | Bsdf::Principled(_) => true,
         }
     }
+}
+
+/// Two materials of which each hit takes one by chance, so that the picture is their mixture. Emission, opacity and
+/// sides are the mixture's own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mix {
+    /// Ids of materials that come before the mixture's own.
+    pub parts: [u32; 2],
+    /// The share of the second, 0 to 1.
+    pub amount: f32,
+}
+
+impl Mix {
+    /// The name in scene files, with what it is, beside [`Bsdf::NAMES`].
+    pub const NAME: (&'static str, &'static str) = ("mix", "two materials by their names, in a proportion");
 }
 
 /// A surface's material: how it scatters and what it emits.
@@ -153,6 +238,10 @@ pub struct Material {
     pub emission: Rgb,
     /// False: only the side that `ng` points to scatters and emits; the other is black.
     pub two_sided: bool,
+    /// What changes over the surface; `None` where nothing does.
+    pub maps: Option<Arc<Maps>>,
+    /// Other materials in place of `bsdf` and the relief.
+    pub mix: Option<Mix>,
 }
 
 impl Material {
@@ -163,6 +252,8 @@ impl Material {
             bsdf: Bsdf::Diffuse(Diffuse { reflectance }),
             emission: Rgb::ZERO,
             two_sided: true,
+            maps: None,
+            mix: None,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Phong's model in the form that keeps energy: f = ρd/π + ρs·(n+2)/(2π)·cosⁿα, α the angle between wi and the
 //! mirror direction of wo (Lafortune and Willems 1994).
 
-use super::{Sample, Scatter, View, reflect};
+use super::{Parameter, Sample, Scatter, View, reflect};
 use crate::math::approx::sin_cos_turn;
 use crate::math::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::math::{Frame, Rgb, Vec3};
@@ -13,6 +13,8 @@ pub struct Phong {
     diffuse: Rgb,
     specular: Rgb,
     exponent: f32,
+    /// ρd and ρs as they were given.
+    stated: [Rgb; 2],
     /// The share of samples that go to the diffuse base.
     diffuse_share: f32,
 }
@@ -21,11 +23,12 @@ impl Phong {
     /// ρd, ρs (each in [0, 1] per channel) and n ≥ 0. Energy-limited: where ρd + ρs exceeds 1 in some channel,
     /// both are scaled down so that it is 1 there, which bounds the albedo at every angle.
     pub fn new(diffuse: Rgb, specular: Rgb, exponent: f32) -> Phong {
+        let stated = [diffuse, specular];
         let scale = 1.0 / (diffuse + specular).max_element().max(1.0);
         let (diffuse, specular) = (diffuse * scale, specular * scale);
         let (d, s) = (diffuse.max_element(), specular.max_element());
         let diffuse_share = if d + s > 0.0 { d / (d + s) } else { 1.0 };
-        Phong { diffuse, specular, exponent, diffuse_share }
+        Phong { diffuse, specular, exponent, stated, diffuse_share }
     }
 
     /// ρd + ρs after the limit.
@@ -75,5 +78,17 @@ impl Scatter for Phong {
     #[inline(always)]
     fn is_delta(&self) -> bool {
         false
+    }
+
+    #[inline(always)]
+    fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
+        let value = parameter.clamp(value);
+        match parameter {
+            Parameter::Diffuse => *self = Phong::new(value, self.stated[1], self.exponent),
+            Parameter::Specular => *self = Phong::new(self.stated[0], value, self.exponent),
+            Parameter::Exponent => self.exponent = value.x,
+            _ => return false,
+        }
+        true
     }
 }

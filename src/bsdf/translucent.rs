@@ -1,6 +1,6 @@
 //! A thin sheet that scatters light to both sides: paper, leaves, cloth.
 
-use super::{Sample, Scatter, View};
+use super::{Parameter, Sample, Scatter, View};
 use crate::math::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::math::{Rgb, Vec3, luminance};
 use std::f32::consts::FRAC_1_PI;
@@ -11,6 +11,8 @@ use std::f32::consts::FRAC_1_PI;
 pub struct Translucent {
     reflectance: Rgb,
     transmittance: Rgb,
+    /// The two as they were given.
+    stated: [Rgb; 2],
     /// Probability with which a sample is reflected.
     reflected: f32,
 }
@@ -18,6 +20,7 @@ pub struct Translucent {
 impl Translucent {
     /// Shares per channel in [0, 1]; where the two exceed 1 together, both are scaled down to it.
     pub fn new(reflectance: Rgb, transmittance: Rgb) -> Translucent {
+        let stated = [reflectance, transmittance];
         let scale = (reflectance + transmittance).max(Rgb::ONE).recip();
         let (reflectance, transmittance) = (reflectance * scale, transmittance * scale);
         let (r, t) = (luminance(reflectance), luminance(transmittance));
@@ -29,7 +32,7 @@ impl Translucent {
             (_, true) => 0.0,
             _ => reflected,
         };
-        Translucent { reflectance, transmittance, reflected }
+        Translucent { reflectance, transmittance, stated, reflected }
     }
 
     /// The share of light that is not absorbed.
@@ -68,6 +71,17 @@ impl Scatter for Translucent {
 
     #[inline(always)]
     fn transmits(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
+        let value = parameter.clamp(value);
+        match parameter {
+            Parameter::Reflectance => *self = Translucent::new(value, self.stated[1]),
+            Parameter::Transmittance => *self = Translucent::new(self.stated[0], value),
+            _ => return false,
+        }
         true
     }
 }

@@ -3,7 +3,9 @@
 use crate::error::{Finding, Findings, Severity};
 use crate::load::mtl::MtlMaterial;
 use crate::load::object::Object;
-use crate::load::open::{find, open_regular};
+use crate::load::open::Finder;
+use crate::load::picture::texels::probe;
+use crate::load::texture::{Source, StatedTexture};
 use crate::math::Rgb;
 use crate::scene::Scene;
 use crate::shape::{FaceMaterials, Mesh};
@@ -24,20 +26,24 @@ pub struct MaterialReport {
     pub defined: Option<(PathBuf, u64)>,
 }
 
-/// A texture statement. It tells the file's name only where there is such a file: a material library is a
-/// referenced file, and those are not quoted.
+/// A texture that a library or a scene file states. It tells the file's name only where there is such a file: a
+/// material library is a referenced file, and those are not quoted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureReport {
-    /// The library.
+    /// The library or scene file.
     pub library: PathBuf,
     /// The material's name.
     pub material: String,
     /// The statement's line.
     pub line: u64,
     /// Its key word.
-    pub key: &'static str,
-    /// The image; `None` where it is missing.
+    pub key: String,
+    /// The image, of a UDIM set its first one; `None` where it is missing.
     pub path: Option<PathBuf>,
+    /// Width and height; `None` where it is no picture that can be read.
+    pub size: Option<[u32; 2]>,
+    /// How many pictures: 1, or the tiles of a UDIM set that are there.
+    pub tiles: usize,
 }
 
 /// Triangles by material id, of all meshes together.
@@ -88,7 +94,7 @@ fn place(definition: &MtlMaterial) -> (PathBuf, u64) {
 pub(super) fn of_scene(scene: &Scene, uses: &[u64]) -> Vec<MaterialReport> {
     let report = |(material, &triangles): (&crate::bsdf::Material, &u64)| MaterialReport {
         name: material.name.clone(),
-        model: crate::bsdf::Bsdf::NAMES.get(material.bsdf.kind()).map_or("", |row| row.0),
+        model: if material.mix.is_some() { crate::bsdf::Mix::NAME.0 } else { material.bsdf.name() },
         triangles,
         emits: material.emission != Rgb::ZERO,
         defined: None,
@@ -106,26 +112,58 @@ pub(super) fn name_places(materials: &mut [MaterialReport], object: &Object) {
     }
 }
 
-/// Every texture of `definitions`; one that is there and cannot be opened is a finding. (That one is missing, the
+/// Every texture of `definitions`; one that is there and cannot be shown is a finding. (That one is missing, the
 /// reader says.)
 pub(super) fn textures(definitions: &[Option<MtlMaterial>], findings: &mut Findings) -> Vec<TextureReport> {
+    let mut finder = Finder::default();
     let mut reports = Vec::new();
     for material in definitions.iter().flatten() {
         let folder = material.library.parent().unwrap_or(Path::new(""));
         for (key, texture) in material.textures() {
-            let found = find(folder, texture.value.file.as_os_str().as_encoded_bytes());
-            let opened = found.as_ref().map(|found| open_regular(&found.path).map(|_| ()));
+            let name = texture.value.file.as_os_str().as_encoded_bytes();
+            let source = Source::find(&mut finder, folder, name).map(|found| found.0);
             let (file, line) = (material.library.clone(), texture.line);
-            if let Some(Err(e)) = opened {
-                let message =
-                    format!("{}: the file of its {key} cannot be read: {}", material.title(), e.message);
+            let size = source.as_ref().and_then(|source| {
+                let trouble = match size_of(source) {
+                    Ok(size) => return Some(size),
+                    Err(trouble) => trouble,
+                };
+                let message = format!("{}: {key}: the file {trouble}", material.title());
                 let (kind, severity) = ("texture-unreadable", Severity::Warning);
                 findings.push(Finding { file: file.clone(), line, kind, message, severity });
-            }
-            let (material, path) =
-                (String::from_utf8_lossy(&material.name).into_owned(), found.map(|f| f.path));
-            reports.push(TextureReport { library: file, material, line, key, path });
+                None
+            });
+            reports.push(TextureReport {
+                library: file,
+                material: String::from_utf8_lossy(&material.name).into_owned(),
+                line,
+                key: key.to_string(),
+                tiles: source.as_ref().map_or(0, |source| source.paths().count()),
+                path: source.and_then(|source| source.paths().next().cloned()),
+                size,
+            });
         }
     }
     reports
+}
+
+/// The size of the first picture, or what is wrong with one of them.
+fn size_of(source: &Source) -> Result<[u32; 2], String> {
+    let sizes: Result<Vec<[u32; 2]>, String> =
+        source.paths().map(|path| probe(path).map(|probe| probe.size).map_err(|e| e.message())).collect();
+    sizes?.first().copied().ok_or_else(|| "was not found".to_string())
+}
+
+/// The textures that a scene file states itself. What is wrong with them, the reading of the scene says.
+pub(super) fn textures_of_scene(stated: &[StatedTexture]) -> Vec<TextureReport> {
+    let report = |stated: &StatedTexture| TextureReport {
+        library: stated.file.clone(),
+        material: stated.material.clone(),
+        line: stated.line,
+        key: stated.key.to_string(),
+        tiles: stated.source.paths().filter(|path| path.exists()).count(),
+        path: stated.source.paths().find(|path| path.exists()).cloned(),
+        size: size_of(&stated.source).ok(),
+    };
+    stated.iter().map(report).collect()
 }

@@ -49,7 +49,7 @@ pub struct Report {
     /// defines it or not; the empty name is the material of faces before any `usemtl`. What a library defines and
     /// no `usemtl` names is not here, only counted ([`MeshReport::library_materials`]). Of a scene: its materials.
     pub materials: Vec<MaterialReport>,
-    /// Every texture that the materials' libraries state.
+    /// Every texture that the materials' libraries and the scene file state.
     pub textures: Vec<TextureReport>,
     /// What is wrong or worth knowing.
     pub findings: Findings,
@@ -131,7 +131,7 @@ fn check_scene(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<
         emitting_triangles: 0,
         meshes: Vec::new(),
         materials: materials::of_scene(scene, &uses),
-        textures: Vec::new(),
+        textures: materials::textures_of_scene(&loaded.textures),
         findings: Findings::default(),
     };
     // The meshes' own findings come again, with lines, when their files are looked at one by one; but which

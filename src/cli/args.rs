@@ -156,9 +156,13 @@ pub struct RenderArgs {
     #[arg(long, help_heading = "View of a mesh")]
     pub ground: bool,
 
-    /// The light from all around: studio (default for a mesh), white, overcast, none
-    #[arg(long, value_name = "NAME", help_heading = "View of a mesh")]
+    /// The light from all around: studio (default for a mesh), white, overcast, none, or a picture (.exr, .hdr)
+    #[arg(long, value_name = "NAME|FILE", help_heading = "View of a mesh")]
     pub sky: Option<String>,
+
+    /// Focus the lens (camera.aperture) on what the middle of this pixel sees
+    #[arg(long, value_name = "X,Y", help_heading = "View of a mesh", allow_hyphen_values = true)]
+    pub focus: Option<String>,
 
     /// Threads, 1 to 1024 (all by default); the picture does not depend on it
     #[arg(long, value_name = "N", help_heading = "Machine", allow_negative_numbers = true)]
@@ -171,6 +175,10 @@ pub struct RenderArgs {
     /// Pin the instruction set: sse2, avx2, avx512 (the machine's best by default)
     #[arg(long, value_name = "NAME", help_heading = "Machine")]
     pub isa: Option<String>,
+
+    /// What all textures together may take in memory, e.g. 512M, 4G (the default); others are left out with a warning
+    #[arg(long, value_name = "SIZE", help_heading = "Machine", allow_hyphen_values = true)]
+    pub max_texture_bytes: Option<String>,
 
     /// Write what was counted and timed as JSON; `-`: to standard output
     #[arg(long, value_name = "FILE", help_heading = "Messages")]
@@ -243,6 +251,22 @@ pub fn size(word: &str) -> Result<Override> {
         return Err(form("--size", word, "WIDTHxHEIGHT, e.g. 1920x1080"));
     }
     Ok(Override::list("--size", "film.size", words))
+}
+
+/// A number of bytes: a whole number, or a number with K, M, G or T (powers of 1024; KB, KiB and so on as well).
+pub fn bytes(flag: &str, word: &str) -> Result<u64> {
+    let upper = word.trim().to_uppercase();
+    let short = upper.strip_suffix("IB").or_else(|| upper.strip_suffix('B')).unwrap_or(&upper);
+    let (number, power) = match short.char_indices().last() {
+        Some((end, unit)) if unit.is_ascii_alphabetic() => (short[..end].trim(), "KMGT".find(unit)),
+        _ => (short.trim(), Some(usize::MAX)),
+    };
+    let factor = power.map(|power| 1024f64.powi(power.wrapping_add(1) as i32));
+    let bytes = factor.zip(number.parse::<f64>().ok()).map(|(factor, number)| number * factor);
+    match bytes {
+        Some(bytes) if (0.0..=1e18).contains(&bytes) => Ok(bytes as u64),
+        _ => Err(form(flag, word, "a number of bytes, e.g. 512M or 4G")),
+    }
 }
 
 fn form(flag: &str, word: &str, form: &str) -> Error {

@@ -1,7 +1,7 @@
 //! What `--help` and `--version` say; lists of names come from the code that owns them.
 
 use drt::accel::Backend;
-use drt::bsdf::{Bsdf, fresnel::METALS};
+use drt::bsdf::{Bsdf, Mix, metals::METALS};
 use drt::camera::Projection;
 use drt::converge::integrals::INTEGRALS;
 use drt::converge::report;
@@ -13,6 +13,7 @@ use drt::math::isa::Isa;
 use drt::output::{FORMATS, ToneMap};
 use drt::quadrature::hemisphere::{HemisphereRule, Measure};
 use drt::scene::{IntegratorKind, LightSampling, Quantity, SamplerKind};
+use drt::texture;
 use std::fmt::Write;
 
 /// Below the short help.
@@ -29,6 +30,10 @@ EXAMPLES
       how open each place is to its surroundings
   drt kitchen.toml --set camera.fov=60 --set light.0.radiance=2
       a scene file with two of its keys changed
+  drt bunny.obj --ground --sky evening.hdr
+      lit by a picture of all directions
+  drt kitchen.toml --set camera.aperture=0.02 --focus 320,200
+      a lens, focused on what that pixel sees
   drt kitchen.toml --crop 600,200,128,128 --spp 4096
       a part of the picture at full quality, with the pixels of the whole
   drt check scan.obj
@@ -58,7 +63,9 @@ A SCENE FILE
   [materials.gold]
   type = \"conductor\"
   metal = \"gold\"
-  roughness = 0.3
+  roughness = 0.3               # any number or colour may be a picture:
+  # roughness = { texture = \"rust.png\", filter = \"nearest\", wrap = \"clamp\", scale = [2, 2], channel = \"g\" }
+  # of every material: opacity, emission, normal_map = { texture = … }, bump = { texture = …, height = 0.01 }
 
   [[light]]
   type = \"environment\"
@@ -91,7 +98,9 @@ pub fn topics() -> String {
     list("rule of the distribution integrator", &mut HemisphereRule::TABLE.iter().map(|r| (r.0, r.1)));
     list("measure of its random directions", &mut Measure::TABLE.iter().map(|r| (r.0, r.1)));
     list("camera", &mut Projection::NAMES.iter().copied());
-    list("material", &mut Bsdf::NAMES.iter().copied());
+    list("material", &mut Bsdf::NAMES.iter().copied().chain([Mix::NAME]));
+    list("texture filter", &mut texture::Filter::TABLE.iter().map(|r| (r.0, r.1)));
+    list("texture wrap", &mut texture::Wrap::TABLE.iter().map(|r| (r.0, r.1)));
     list("light", &mut Light::NAMES.iter().copied());
     list("sky", &mut Sky::TABLE.iter().map(|r| (r.0, r.1)));
     list("view", &mut View::TABLE.iter().map(|r| (r.0, r.1)));

@@ -8,7 +8,7 @@ use crate::film::PixelPoints;
 use crate::film::filter::FilterSampler;
 use crate::light::{Emission, Lights, Sampled};
 use crate::quadrature::hemisphere::HemisphereRule;
-use crate::sampler::{Sampler, SamplerKind};
+use crate::sampler::{Key, Sampler, SamplerKind, scatter};
 use crate::scene::{IntegratorKind, LightSampling, Scene, Settings};
 use crate::shape::Mesh;
 use std::sync::Arc;
@@ -36,6 +36,10 @@ pub struct Context<'a> {
     pub samples_lights: bool,
     /// True when a BSDF of the scene chooses between lobes.
     pub has_lobes: bool,
+    /// True when a material of the scene is a mixture of others.
+    pub has_mixes: bool,
+    /// True when a surface of the scene has holes.
+    pub has_cutouts: bool,
     /// Width and height of the full picture.
     pub size: [u32; 2],
 }
@@ -46,20 +50,27 @@ impl<'a> Context<'a> {
     /// # Errors
     /// A camera that cannot be, or a grid of pixel points without a weight.
     pub fn new(scene: &'a Scene, settings: &Settings) -> Result<Context<'a>> {
-        let emission = |m: &Material| Emission { radiance: m.emission, two_sided: m.two_sided };
-        let bounds = scene.bounds();
+        let emission = |m: &Material| Emission {
+            radiance: m.emission,
+            two_sided: m.two_sided,
+            texture: m.maps.as_ref().and_then(|maps| maps.emission.clone()).map(Box::new),
+            opacity: m.maps.as_ref().and_then(|maps| maps.opacity.clone()).map(Box::new),
+        };
         let lights = Lights::new(
             &scene.meshes,
             scene.materials.iter().map(emission).collect(),
             &scene.lights,
-            0.5 * bounds.extent().length(),
             Sampled {
-                any_environment: settings.lights == LightSampling::Light,
+                alone: settings.lights == LightSampling::Light,
                 deltas: !matches!(settings.integrator, IntegratorKind::Distribution { .. }),
             },
         );
         let camera = Camera::new(&scene.camera, scene.origin)?;
-        let has_lobes = scene.materials.iter().any(|m| m.bsdf.has_lobes());
+        // A picture can give a model lobes that its constants have not.
+        let changes = |m: &Material| m.maps.as_ref().is_some_and(|maps| !maps.parameters.is_empty());
+        let has_lobes = scene.materials.iter().any(|m| m.bsdf.has_lobes() || changes(m));
+        let has_cutouts =
+            scene.materials.iter().any(|m| m.maps.as_ref().is_some_and(|maps| maps.opacity.is_some()));
         let lit = match settings.integrator {
             IntegratorKind::Path | IntegratorKind::Direct => true,
             IntegratorKind::Distribution { rule, .. } => rule == HemisphereRule::Importance,
@@ -69,7 +80,11 @@ impl<'a> Context<'a> {
         Ok(Context {
             meshes: &scene.meshes,
             materials: &scene.materials,
-            dimensions: Dimensions::new(camera.has_lens(), has_lobes, samples_lights),
+            dimensions: Dimensions::new(
+                camera.has_lens(),
+                has_lobes,
+                samples_lights.then(|| lights.has_choice()),
+            ),
             lights,
             camera,
             pixel: PixelPoints::new(settings.rule, FilterSampler::new(settings.filter))?,
@@ -77,8 +92,26 @@ impl<'a> Context<'a> {
             random: Sampler::new(SamplerKind::Random, settings.seed, settings.spp),
             samples_lights,
             has_lobes,
+            has_mixes: scene.materials.iter().any(|m| m.mix.is_some()),
+            has_cutouts,
             size: settings.size,
         })
+    }
+
+    /// The material that scatters where a ray meets `material`: of a mixture the part that a number of the sample
+    /// chooses, the same for every part of the program that asks.
+    #[inline(always)]
+    pub fn part(&self, material: u32, key: Key, depth: u32, branch: u32) -> u32 {
+        let mut part = material;
+        // Parts come before what they are mixed to, so this ends.
+        while self.has_mixes
+            && let Some(mix) = self.materials[part as usize].mix
+        {
+            let place = scatter(part ^ scatter(branch ^ scatter(depth)));
+            let second = self.sampler.d1(key, Dimensions::MIX | (place >> 3)) < mix.amount;
+            part = mix.parts[usize::from(second)];
+        }
+        part
     }
 
     /// False on the black side of a one-sided material.
@@ -119,10 +152,16 @@ impl Dimensions {
     pub const LENS: u32 = 2;
     /// Roulette's dimensions begin here, out of the way of the others.
     const ROULETTE: u32 = 1 << 20;
+    /// Whether a hit of a surface with holes counts: one a triangle and place on the path, scattered over 30 bits.
+    pub const CUTOUT: u32 = 1 << 30;
+    /// Whose part of a mixture is met; the place among them is hashed.
+    const MIX: u32 = 1 << 29;
 
-    fn new(lens: bool, lobes: bool, lights: bool) -> Dimensions {
+    /// `lights`: whether they are sampled, and then whether there is a choice among them.
+    fn new(lens: bool, lobes: bool, lights: Option<bool>) -> Dimensions {
         let lobes = u32::from(lobes);
-        Dimensions { first: if lens { 4 } else { 2 }, stride: 2 + lobes + if lights { 3 } else { 0 }, lobes }
+        let lights = lights.map_or(0, |choice| 2 + u32::from(choice));
+        Dimensions { first: if lens { 4 } else { 2 }, stride: 2 + lobes + lights, lobes }
     }
 
     /// The dimensions of the vertex that is reached after `depth` scattering events.

@@ -13,7 +13,7 @@ use super::{Arrival, Context, Extension, Integrator, Sink, Vertex};
 use super::{competing_pdf, connect, emitted, emitted_at_end};
 use crate::bsdf::Scatter;
 use crate::error::Result;
-use crate::light::End;
+use crate::light::{End, Receiver};
 use crate::math::ray::leave;
 use crate::math::{Rgb, Vec3};
 use crate::quadrature::hemisphere::{Fan, HemisphereRule};
@@ -84,8 +84,8 @@ impl Integrator for Distribution {
             return;
         }
         let fan = self.fan(v.arrival.depth);
+        self.follow_deltas(v, bsdf, fan.count(), out);
         if bsdf.is_delta() {
-            self.follow_deltas(v, bsdf, fan.count(), out);
             return;
         }
         for light in cx.lights.deltas(&v.surface) {
@@ -134,6 +134,7 @@ fn shade<B: Scatter>(
         d: wi,
         beta: v.arrival.beta * f_cos * solid_angle,
         pdf: f32::INFINITY,
+        normal: Receiver::ALL_AROUND,
         branch,
     });
 }
@@ -147,18 +148,21 @@ impl Distribution {
         (branch, self.numbers.branch(v.arrival.key, nodes, branch))
     }
 
-    /// Mirror and glass: every direction that they choose gets a branch of its own.
+    /// Mirrors, glass and smooth coats: every direction that they choose gets a branch of its own.
     #[inline(always)]
     fn follow_deltas<B: Scatter>(&self, v: &Vertex, bsdf: &B, count: u32, out: &mut impl Sink) {
         let [first, second] = bsdf.deltas(&v.view);
         let (branch, _) = self.branch(v, count, 0);
+        // Beside a fan of directions the branches of the deltas must be others than the fan's.
+        let branch = if bsdf.is_delta() { branch } else { scatter(!branch) };
         for (delta, branch) in [(first, branch), (second, scatter(branch))] {
             let Some(delta) = delta else { continue };
             let d = v.frame.to_world(delta.wi);
             if v.on_the_same_side_as(delta.wi, d) {
                 let o = leave(v.surface.p, v.surface.error, v.surface.ng, d);
                 let beta = v.arrival.beta * delta.weight;
-                out.extend(Extension { o, d, beta, pdf: f32::INFINITY, branch });
+                let normal = Receiver::ALL_AROUND;
+                out.extend(Extension { o, d, beta, pdf: f32::INFINITY, normal, branch });
             }
         }
     }
@@ -178,15 +182,21 @@ impl Distribution {
         let depth = v.arrival.depth;
         let share = 1.0 / self.fan(depth).count() as f32;
         let dimensions = cx.dimensions.at(depth);
+        let mut normal = Receiver::ALL_AROUND;
         if cx.samples_lights {
-            let choice = self.numbers.bits(key, dimensions.choice);
-            if let Some(light) = cx.lights.sample(&v.surface, choice, self.numbers.d2(key, dimensions.light))
-            {
+            let (from, packed) = cx.lights.receiver(&v.surface, v.wo, bsdf.transmits());
+            normal = packed;
+            let choice = if cx.lights.has_choice() { self.numbers.bits(key, dimensions.choice) } else { 0 };
+            let u = self.numbers.d2(key, dimensions.light);
+            if let Some(light) = cx.lights.sample(&v.surface, &from, choice, u) {
                 connect(self.lights, v, bsdf, &light, share, out);
             }
         }
         let lobe = if cx.has_lobes { self.numbers.d1(key, dimensions.lobe) } else { 0.0 };
         let Some(sample) = bsdf.sample(&v.view, self.numbers.d2(key, dimensions.bsdf), lobe) else { return };
+        if sample.pdf == f32::INFINITY {
+            return; // deltas have been followed
+        }
         let d = v.frame.to_world(sample.wi);
         let pdf = competing_pdf(self.lights, cx.samples_lights, sample.pdf);
         // At the last depth a ray of density zero has nothing left to find.
@@ -195,6 +205,6 @@ impl Distribution {
         }
         let o = leave(v.surface.p, v.surface.error, v.surface.ng, d);
         let beta: Rgb = v.arrival.beta * sample.weight * share;
-        out.extend(Extension { o, d, beta, pdf, branch });
+        out.extend(Extension { o, d, beta, pdf, normal, branch });
     }
 }

@@ -5,13 +5,14 @@
 //! repeats `extend` (closest hits) → `shade` (lanes grouped by BSDF, each vertex pushing into the next
 //! chunks, which also compacts them) → `connect` (shadow rays) until no path is left. It knows no physics.
 
+use super::cutout;
 use super::lanes::Lanes;
 use super::{Arrival, Context, Extension, Integrator, RenderStats, Sink, Vertex};
-use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS};
-use crate::bsdf::{Bsdf, Scatter, View};
+use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, for_lanes};
+use crate::bsdf::{Bsdf, Material, Scatter, View};
 use crate::film::rule::{Numbers, PixelPoint};
 use crate::film::{Film, FirstHit, Tile};
-use crate::light::{End, Sphere, sphere};
+use crate::light::{End, Receiver, Sphere, sphere};
 use crate::math::ray::Ray;
 use crate::math::{DVec3, Rgb, Vec2, Vec3};
 use crate::sampler::Key;
@@ -51,13 +52,12 @@ impl Sink for PathSink<'_> {
 
     #[inline(always)]
     fn connect(&mut self, shadow: Ray, radiance: Rgb) {
-        self.pushed.shadows.push(shadow, radiance, 0.0, self.slot, 0);
+        self.pushed.shadows.push(shadow, radiance, self.slot);
     }
 
     #[inline(always)]
     fn extend(&mut self, next: Extension) {
-        let ray = Ray { o: next.o, d: next.d, tmax: f32::INFINITY };
-        self.pushed.next.push(ray, next.beta, next.pdf, self.slot, next.branch);
+        self.pushed.next.follow(next, self.slot);
     }
 }
 
@@ -120,7 +120,7 @@ impl Wave {
         while let Some(depth) = piece {
             self.extend(job, depth);
             self.stats.intersect_seconds += lap(&mut clock);
-            self.group(job.cx);
+            self.group(job.cx, depth);
             self.shade(job, depth, tile);
             self.stats.shade_seconds += lap(&mut clock);
             self.connect(job);
@@ -168,7 +168,9 @@ impl Wave {
             for index in job.samples.clone() {
                 let key = cx.sampler.key(y * cx.size[0] + x, index);
                 let (ray, weight) = camera_ray(cx, x, y, key);
-                next.push(ray, Rgb::ONE, f32::INFINITY, slots.len() as u32, 0);
+                let (pdf, normal) = (f32::INFINITY, Receiver::ALL_AROUND);
+                let first = Extension { o: ray.o, d: ray.d, beta: Rgb::ONE, pdf, normal, branch: 0 };
+                next.follow(first, slots.len() as u32);
                 slots.push(Slot { key, pixel, weight, radiance: DVec3::ZERO });
             }
         }
@@ -190,12 +192,23 @@ impl Wave {
             if !job.cx.lights.spheres.is_empty() {
                 sphere::closest(&job.cx.lights.spheres, rays, &mut self.hits[chunk]);
             }
+            if job.cx.has_cutouts {
+                let (hits, path) = (&mut self.hits[chunk], &self.current.paths[chunk]);
+                let slots = &self.pushed.slots;
+                let counts = |lane: usize, hits: &Hits, opacity| {
+                    let key = slots[path.slot[lane] as usize].key;
+                    let hit = [hits.mesh[lane], hits.triangle[lane]];
+                    cutout::counts(job.cx, key, [depth, path.branch[lane]], hit, opacity)
+                };
+                self.stats.bounce_rays +=
+                    cutout::pass(job.cx, job.accel, rays.rays(), rays.active(), hits, counts);
+            }
         }
     }
 
     /// Sorts lanes by what they met, keeping their order within a group.
     #[inline(always)]
-    fn group(&mut self, cx: &Context<'_>) {
+    fn group(&mut self, cx: &Context<'_>, depth: u32) {
         for group in &mut self.groups.of {
             group.clear();
         }
@@ -206,7 +219,10 @@ impl Wave {
                 0 // a lamp, or nothing at all
             } else {
                 let material = cx.meshes[mesh as usize].materials.get(triangle as usize);
-                1 + cx.materials[material as usize].bsdf.kind()
+                let path = &self.current.paths[i / LANES];
+                let key = self.pushed.slots[path.slot[i % LANES] as usize].key;
+                let part = cx.part(material, key, depth, path.branch[i % LANES]);
+                1 + cx.materials[part as usize].bsdf.kind()
             };
             self.groups.of[group].push(i as u32);
         }
@@ -234,14 +250,11 @@ impl Wave {
             }
             job.integrator.end(job.cx, end, o, d, &arrival, &mut PathSink { pushed: &mut self.pushed, slot });
         }
-        let materials = job.cx.materials;
         macro_rules! shade_kind {
             ($group:expr, $kind:path) => {
-                self.shade_group(job, depth, tile, &groups.of[$group], |material| {
-                    match &materials[material as usize].bsdf {
-                        $kind(bsdf) => Some(bsdf),
-                        _ => None,
-                    }
+                self.shade_group(job, depth, tile, &groups.of[$group], |material| match &material.bsdf {
+                    $kind(bsdf) => Some(bsdf),
+                    _ => None,
                 })
             };
         }
@@ -251,18 +264,21 @@ impl Wave {
         shade_kind!(4, Bsdf::Phong);
         shade_kind!(5, Bsdf::Dielectric);
         shade_kind!(6, Bsdf::Translucent);
+        shade_kind!(7, Bsdf::OrenNayar);
+        shade_kind!(8, Bsdf::Plastic);
+        shade_kind!(9, Bsdf::Principled);
         self.groups = groups;
     }
 
     /// Shades one group with code compiled for its BSDF.
     #[inline(always)]
-    fn shade_group<'a, I: Integrator, B: Scatter + 'a>(
+    fn shade_group<I: Integrator, B: Scatter + Clone>(
         &mut self,
         job: &Job<'_, I>,
         depth: u32,
         tile: &mut Tile,
         group: &[u32],
-        bsdf: impl Fn(u32) -> Option<&'a B>,
+        bsdf: impl Fn(&Material) -> Option<&B>,
     ) {
         for &i in group {
             let (chunk, lane) = (i as usize / LANES, i as usize % LANES);
@@ -272,9 +288,17 @@ impl Wave {
                 let pixel = self.pushed.slots[slot as usize].pixel as usize;
                 tile.add_first_hit(pixel, arrival.key.index, &first_hit(job.cx, &v, ids));
             }
-            if let Some(bsdf) = bsdf(v.material) {
-                job.integrator.vertex(job.cx, &v, bsdf, &mut PathSink { pushed: &mut self.pushed, slot });
-            }
+            let material = &job.cx.materials[v.part as usize];
+            let Some(plain) = bsdf(material) else { continue };
+            let textured;
+            let bsdf = match &material.maps {
+                None => plain,
+                Some(maps) => {
+                    textured = maps.applied(plain, v.surface.uv);
+                    &textured
+                }
+            };
+            job.integrator.vertex(job.cx, &v, bsdf, &mut PathSink { pushed: &mut self.pushed, slot });
         }
     }
 
@@ -284,7 +308,8 @@ impl Wave {
         let slot = path.slot[lane];
         let key = self.pushed.slots[slot as usize].key;
         let (beta, branch) = (self.current.beta(chunk, lane), path.branch[lane]);
-        (Arrival { beta, pdf: path.pdf[lane], depth, branch, key }, slot)
+        let (pdf, normal) = (path.pdf[lane], path.normal[lane]);
+        (Arrival { beta, pdf, normal, depth, branch, key }, slot)
     }
 
     /// The vertex at a lane's hit, with the ids of mesh, triangle and material.
@@ -293,12 +318,19 @@ impl Wave {
         let hits = &self.hits[chunk];
         let (id, triangle) = (hits.mesh[lane], hits.triangle[lane]);
         let mesh = &cx.meshes[id as usize];
-        let surface = Surface::new(mesh, triangle, hits.u[lane], hits.v[lane]);
-        let wo = -self.current.rays[chunk].d(lane);
-        let frame = surface.frame_towards(wo);
+        let mut surface = Surface::new(mesh, triangle, hits.u[lane], hits.v[lane]);
+        let rays = &self.current.rays[chunk];
+        let (origin, wo) = (rays.o(lane), -rays.d(lane));
         let material = mesh.materials.get(triangle as usize);
+        let part = cx.part(material, arrival.key, arrival.depth, arrival.branch);
+        if let Some(maps) = &cx.materials[part as usize].maps {
+            surface.ns = maps.normal(&surface, mesh, triangle as usize);
+        }
+        let frame = surface.frame_towards(wo);
         let view = View { wo: frame.to_local(wo), outside: surface.ng.dot(wo) > 0.0 };
-        (Vertex { surface, frame, wo, view, t: hits.t[lane], material, arrival }, [id, triangle, material])
+        let (t, ids) = (hits.t[lane], [id, triangle]);
+        let v = Vertex { surface, frame, wo, view, origin, t, ids, material, part, arrival };
+        (v, [id, triangle, material])
     }
 
     /// Traces the shadow rays; what is free reaches its sample.
@@ -309,15 +341,22 @@ impl Wave {
         for (chunk, mask) in shadows.chunks() {
             let rays = shadows.rays[chunk].check(mask);
             self.stats.rejected_rays += u64::from(rays.rejected());
-            let mut free = rays.active() & !job.accel.occluded(rays, Coherence::Incoherent);
+            let mut open = rays.active();
             if !job.cx.lights.spheres.is_empty() {
-                free &= !sphere::occluded(&job.cx.lights.spheres, rays);
+                open &= !sphere::occluded(&job.cx.lights.spheres, rays);
             }
-            while free != 0 {
-                let lane = free.trailing_zeros() as usize;
-                free &= free - 1;
-                slots[shadows.paths[chunk].slot[lane] as usize].radiance +=
-                    shadows.beta(chunk, lane).as_dvec3();
+            let blocked = job.accel.occluded(rays, Coherence::Incoherent);
+            let slot = |lane: usize| shadows.paths[chunk].slot[lane] as usize;
+            for_lanes(open & !blocked, |lane| {
+                slots[slot(lane)].radiance += shadows.beta(chunk, lane).as_dvec3();
+            });
+            if job.cx.has_cutouts && open & blocked != 0 {
+                let (share, traced) = cutout::transmittance(job.cx, job.accel, rays.rays(), open & blocked);
+                self.stats.shadow_rays += traced;
+                for_lanes(open & blocked, |lane| {
+                    let passed = shadows.beta(chunk, lane).as_dvec3() * f64::from(share[lane]);
+                    slots[slot(lane)].radiance += passed;
+                });
             }
         }
         shadows.len = 0;
@@ -353,10 +392,17 @@ fn camera_ray(cx: &Context<'_>, x: u32, y: u32, key: Key) -> (Ray, f32) {
 }
 
 fn first_hit(cx: &Context<'_>, v: &Vertex, ids: [u32; 3]) -> FirstHit {
+    let material = &cx.materials[v.part as usize];
+    let mut bsdf = material.bsdf.clone();
+    if let Some(maps) = &material.maps {
+        maps.each(v.surface.uv, |parameter, value| {
+            bsdf.set(parameter, value);
+        });
+    }
     FirstHit {
         depth: v.t,
         normal: v.frame.n,
-        albedo: cx.materials[v.material as usize].bsdf.albedo(),
+        albedo: bsdf.albedo(),
         position: v.surface.p,
         uv: v.surface.uv,
         ids,

@@ -5,9 +5,11 @@ use super::materials::MaterialSpec;
 use super::object::{self, Object};
 use super::place::{Extent, NormalsMode, Transform, place, rename_materials};
 use super::scene_file::{LightPlan, MaterialPatch, MeshPlan, Plan};
+use super::sky::{SkyPicture, SkySource};
+use super::texture;
 use super::{Loaded, Options, cancelled};
 use crate::error::{Error, Finding, Result, Severity, nearest, show_path, unknown_word_advice};
-use crate::light::{Directional, Light, Point, Sphere};
+use crate::light::{Directional, Light, Point, Sphere, Spot};
 use crate::math::{DVec3, Rgb};
 use crate::scene::{IntegratorKind, Scene};
 use crate::shape::{FaceMaterials, Mesh};
@@ -75,8 +77,18 @@ pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) 
     let added = meshes.get(placements.len()..).unwrap_or_default();
     let triangles = in_files + added.iter().map(|m| m.indices.len() as u64).sum::<u64>();
     let forward = camera.look_at - camera.position;
-    let lights = plan.lights.iter().filter_map(|light| place_light(light, origin, up, forward)).collect();
-    let scene = Scene { origin, meshes, materials: palette.build(), lights, camera };
+    let lights = plan.lights.iter().flat_map(|light| place_light(light, origin, up, forward)).collect();
+    for light in &plan.lights {
+        if let LightPlan::Picture { picture, .. } = light {
+            picture.finding().into_iter().for_each(|finding| findings.push(finding));
+            files.paths.push(picture.file.clone());
+        }
+    }
+    let job = texture::Job { most_bytes: options.max_texture_bytes, progress: options.progress };
+    let specs = palette.specs();
+    let textures = texture::StatedTexture::of(&specs, input);
+    let materials = texture::build(&specs, &mut meshes, &job, &mut findings)?;
+    let scene = Scene { origin, meshes, materials, lights, camera };
     crate::camera::Camera::new(&scene.camera, scene.origin).map_err(|e| e.at(input))?;
     if is_dark(&scene)
         && !matches!(plan.settings.integrator, IntegratorKind::Ao { .. } | IntegratorKind::Normals)
@@ -91,7 +103,8 @@ pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) 
         });
     }
     let files = files.paths;
-    Ok(Loaded { scene, settings: plan.settings, findings, skipped_faces, triangles, files, mesh_files })
+    let settings = plan.settings;
+    Ok(Loaded { scene, settings, findings, skipped_faces, triangles, files, mesh_files, textures })
 }
 
 /// The distinct files, and which of them each mesh is in.
@@ -197,6 +210,61 @@ impl<'p> Palette<'p> {
         }
     }
 
+    /// Adds a material, and before it the parts of which it is mixed: `own` are those of its mesh file. `within`: the
+    /// mixtures that it is a part of.
+    fn add_whole(
+        &mut self,
+        mut spec: MaterialSpec,
+        own: &[MaterialSpec],
+        file: usize,
+        within: &[&str],
+    ) -> Result<u32> {
+        if let Some(mut mix) = spec.mix.take() {
+            for (name, id) in mix.names.iter().zip(&mut mix.ids) {
+                *id = self.part(name, &spec.name, own, file, within)?;
+            }
+            let emission = mix.ids.map(|id| self.specs.get(id as usize).map_or(Rgb::ZERO, |s| s.emission));
+            if spec.emission == Rgb::ZERO {
+                spec.emission = emission[0].lerp(emission[1], mix.amount);
+            }
+            spec.mix = Some(mix);
+        }
+        Ok(self.add(spec))
+    }
+
+    /// The id of the part `name` of the mixture `whole`.
+    fn part(
+        &mut self,
+        name: &str,
+        whole: &str,
+        own: &[MaterialSpec],
+        file: usize,
+        within: &[&str],
+    ) -> Result<u32> {
+        let within: Vec<&str> = within.iter().copied().chain([whole]).collect();
+        let patches = self.patches;
+        // Only a patch makes a mixture, so there is one to blame.
+        let blame = || patches.get(whole).map(|patch| patch as &MaterialPatch<'_>);
+        if within.contains(&name) {
+            return Err(blame().map_or_else(|| Error::new("a mixture of itself"), MaterialPatch::own_part));
+        }
+        let in_file = own.iter().find(|m| m.name == name);
+        if in_file.is_none() && !patches.contains_key(name) {
+            let known: Vec<&str> = patches.keys().map(String::as_str).filter(|n| *n != whole).collect();
+            let message = || Error::new(format!("unknown material \"{name}\""));
+            return Err(blame().map_or_else(message, |patch| patch.missing_part(name, &known)));
+        }
+        let key = (name.to_string(), in_file.map(|_| file));
+        if let Some(id) = self.named.get(&key) {
+            return Ok(*id);
+        }
+        let base = in_file.cloned().unwrap_or_else(|| MaterialSpec::diffuse(name, auto::CLAY));
+        let spec = self.patched(base)?;
+        let id = self.add_whole(spec, own, file, &within)?;
+        self.named.insert(key, id);
+        Ok(id)
+    }
+
     /// The materials of a mesh: the one it names, or the file's own.
     fn choose(&mut self, mesh: &MeshPlan<'_>, file: usize, object: Option<&Object>) -> Result<Choice> {
         let own: &[MaterialSpec] = object.map_or(&[], |o| &o.materials);
@@ -218,7 +286,7 @@ impl<'p> Palette<'p> {
         }
         let base = in_file.cloned().unwrap_or_else(|| MaterialSpec::diffuse(name, auto::CLAY));
         let spec = self.patched(base)?;
-        let id = self.add(spec);
+        let id = self.add_whole(spec, own, file, &[])?;
         self.named.insert(key, id);
         Ok(Choice::One(id))
     }
@@ -230,7 +298,7 @@ impl<'p> Palette<'p> {
         let mut ids = Vec::with_capacity(own.len());
         for spec in own {
             let spec = self.patched(spec.clone())?;
-            ids.push(self.add(spec));
+            ids.push(self.add_whole(spec, own, file, &[])?);
         }
         if let Some(slot) = self.of_file.get_mut(file) {
             *slot = Some(ids.clone());
@@ -244,11 +312,11 @@ impl<'p> Palette<'p> {
     }
 
     /// Every face has a material, so there is at least one.
-    fn build(mut self) -> Vec<crate::bsdf::Material> {
+    fn specs(mut self) -> Vec<MaterialSpec> {
         if self.specs.is_empty() {
             self.specs.push(MaterialSpec::diffuse("", auto::CLAY));
         }
-        self.specs.into_iter().map(MaterialSpec::build).collect()
+        self.specs
     }
 }
 
@@ -308,15 +376,29 @@ fn place_all(
     Ok(meshes)
 }
 
-fn place_light(light: &LightPlan, origin: DVec3, up: DVec3, forward: DVec3) -> Option<Light> {
-    match light {
+fn place_light(light: &LightPlan, origin: DVec3, up: DVec3, forward: DVec3) -> Vec<Light> {
+    if let LightPlan::SunSky(daylight) = light {
+        return daylight.lights();
+    }
+    let one = match light {
         LightPlan::Constant(radiance) => {
             Some(Light::Environment(crate::light::Environment::Constant(*radiance)))
         }
         LightPlan::Sky { sky, up: own, scale } => {
-            let environment = sky.environment(own.unwrap_or(up), forward)?;
-            Some(Light::Environment(environment.scaled(*scale)))
+            let environment = sky.environment(own.unwrap_or(up), forward);
+            environment.map(|environment| Light::Environment(environment.scaled(*scale)))
         }
+        // A map's zenith is +y unless the file says otherwise: it is no matter of the camera.
+        LightPlan::Picture { picture, scale, rotate, up } => {
+            picture.light(*scale, *rotate, up.unwrap_or(DVec3::Y))
+        }
+        LightPlan::Spot { position, direction, cos_outer, cos_inner, intensity } => Some(Light::Spot(Spot {
+            position: (*position - origin).as_vec3(),
+            direction: direction.as_vec3(),
+            intensity: *intensity,
+            cos_outer: *cos_outer as f32,
+            cos_inner: *cos_inner as f32,
+        })),
         LightPlan::Point { position, intensity } => {
             Some(Light::Point(Point { position: (*position - origin).as_vec3(), intensity: *intensity }))
         }
@@ -328,8 +410,9 @@ fn place_light(light: &LightPlan, origin: DVec3, up: DVec3, forward: DVec3) -> O
             radius: *radius as f32,
             radiance: *radiance,
         })),
-        LightPlan::Rectangle { .. } => None,
-    }
+        LightPlan::Rectangle { .. } | LightPlan::SunSky(_) => None,
+    };
+    one.into_iter().collect()
 }
 
 /// The mesh of a flat lamp: black, shining from the side of edge_u × edge_v or from both.
@@ -350,6 +433,8 @@ fn is_dark(scene: &Scene) -> bool {
         Light::Environment(environment) => environment.average() == Rgb::ZERO,
         Light::Directional(d) => d.irradiance == Rgb::ZERO,
         Light::Sphere(s) => s.radiance == Rgb::ZERO,
+        Light::Sun(s) => s.radiance == Rgb::ZERO,
+        Light::Spot(s) => s.intensity == Rgb::ZERO,
         Light::Point(point) => point.intensity == Rgb::ZERO,
     };
     scene.lights.iter().all(dark) && scene.materials.iter().all(|m| m.emission == Rgb::ZERO)
@@ -362,15 +447,23 @@ pub(super) fn apply_look(plan: &mut Plan<'_>, is_bare: bool, options: &Options<'
             return Err(Error::usage("--up: the scene sets camera.up").advise("use --set camera.up=[0,0,1]"));
         }
         plan.camera.up = Some(up.vector());
+        for light in &mut plan.lights {
+            light.set_up(up.vector());
+        }
     }
     if options.view.is_some() && plan.camera.position.is_some() {
         return Err(Error::usage("--view: the scene places the camera")
             .advise("leave --view out, or move the camera with --set camera.position=[x,y,z]"));
     }
-    let sky = options.sky.or((is_bare && plan.lights.is_empty()).then_some(Sky::Studio));
-    if let Some(sky) = sky {
-        plan.lights.retain(|light| !light.is_environment());
-        plan.lights.push(LightPlan::Sky { sky, up: None, scale: 1.0 });
-    }
+    let usual = (is_bare && plan.lights.is_empty()).then_some(SkySource::BuiltIn(Sky::Studio));
+    let Some(sky) = options.sky.clone().or(usual) else { return Ok(()) };
+    plan.lights.retain(|light| !light.is_environment());
+    plan.lights.push(match sky {
+        SkySource::BuiltIn(sky) => LightPlan::Sky { sky, up: None, scale: 1.0 },
+        SkySource::Picture(file) => {
+            let picture = SkyPicture::read(&file)?;
+            LightPlan::Picture { picture, scale: 1.0, rotate: 0.0, up: options.up.map(auto::Up::vector) }
+        }
+    });
     Ok(())
 }

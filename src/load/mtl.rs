@@ -96,6 +96,8 @@ pub struct MtlMaterial {
     pub map_pr: Option<At<Texture>>,
     /// Texture of `pm`.
     pub map_pm: Option<At<Texture>>,
+    /// Texture of `ps`.
+    pub map_ps: Option<At<Texture>>,
     /// Displacement.
     pub disp: Option<At<Texture>>,
 }
@@ -122,6 +124,7 @@ impl MtlMaterial {
             ("norm", &self.norm),
             ("map_Pr", &self.map_pr),
             ("map_Pm", &self.map_pm),
+            ("map_Ps", &self.map_ps),
             ("disp", &self.disp),
         ];
         all.into_iter().filter_map(|(key, texture)| Some((key, texture.as_ref()?)))

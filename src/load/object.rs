@@ -3,6 +3,7 @@
 use super::materials::MaterialSpec;
 use super::mtl::{self, MtlMaterial};
 use super::obj;
+use super::texture::{self, Search};
 use super::{auto, classic};
 use crate::error::{Findings, Result};
 use crate::math::DVec3;
@@ -59,19 +60,20 @@ pub(crate) fn read_with(
     let resolved = mtl::resolve(file, &read.libraries, &read.material_names, defined);
     let mut findings = read.findings;
     findings.append(resolved.findings);
-    for material in resolved.materials.iter().flatten() {
-        classic::note_textures(material, &mut findings);
-    }
+    let mut search = Search::default();
     let definitions = resolved.materials.iter().map(Option::as_ref).chain(std::iter::repeat(None));
     let materials = read.material_names.iter().zip(definitions).map(|(name, definition)| {
         let name = String::from_utf8_lossy(name).into_owned();
-        definition
-            .map_or_else(|| MaterialSpec::diffuse(name.as_str(), auto::CLAY), |m| classic::from_mtl(&name, m))
+        match definition {
+            None => MaterialSpec::diffuse(name, auto::CLAY),
+            Some(m) => texture::of_mtl(&name, m, classic::from_mtl, &mut search, &mut findings),
+        }
     });
+    let materials = materials.collect();
     Ok(Object {
         mesh: read.mesh,
         origin: read.origin,
-        materials: materials.collect(),
+        materials,
         findings,
         skipped_faces: read.counts.skipped_faces,
         libraries: resolved.libraries,

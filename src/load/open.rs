@@ -4,6 +4,8 @@
 //! file is opened without blocking and refused unless it is a regular one.
 
 use crate::error::{Error, Result};
+use std::collections::HashMap;
+use std::ffi::OsString;
 use std::fs::{File, OpenOptions};
 use std::path::{Component, Path, PathBuf};
 
@@ -68,48 +70,76 @@ pub struct Found {
 /// Looks for the file that a scene in `folder` calls `name`: `\` counts as `/`; a Windows path with a drive
 /// or server is looked for by its last part.
 pub fn find(folder: &Path, name: &[u8]) -> Option<Found> {
-    let name: Vec<u8> = name.iter().map(|&b| if b == b'\\' { b'/' } else { b }).collect();
-    let foreign =
-        matches!(*name.as_slice(), [b'a'..=b'z' | b'A'..=b'Z', b':', ..]) || name.starts_with(b"//");
-    if name.is_empty() || name.contains(&0) {
-        return None;
-    }
-    if !foreign {
-        let path = folder.join(path_from_bytes(&name));
-        if path.exists() {
-            return Some(Found { path, how: Match::Exact });
-        }
-        if let Some(path) = find_in_any_case(folder, &path_from_bytes(&name)) {
-            return Some(Found { path, how: Match::OtherCase });
-        }
-    }
-    let last =
-        name.rsplit(|&b| b == b'/').next().filter(|last| !last.is_empty() && last.len() < name.len())?;
-    let last = path_from_bytes(last);
-    let beside = folder.join(&last);
-    let path = if beside.exists() { Some(beside) } else { find_in_any_case(folder, &last) };
-    path.map(|path| Found { path, how: Match::OtherFolder })
+    Finder::default().find(folder, name)
 }
 
-/// Walks `name` from `folder`, taking the alphabetically first entry that differs in case where none fits.
-fn find_in_any_case(folder: &Path, name: &Path) -> Option<PathBuf> {
-    let mut path = folder.to_path_buf();
-    for component in name.components() {
-        let next = path.join(component);
-        let Component::Normal(wanted) = component else {
-            path = next;
-            continue;
-        };
-        if next.exists() {
-            path = next;
-            continue;
+/// Looks for many files, each folder listed once.
+#[derive(Debug, Default)]
+pub struct Finder {
+    /// By folder: the alphabetically first entry by its name in lower case.
+    listings: HashMap<PathBuf, HashMap<String, OsString>>,
+}
+
+impl Finder {
+    /// As [`find`].
+    pub fn find(&mut self, folder: &Path, name: &[u8]) -> Option<Found> {
+        let name: Vec<u8> = name.iter().map(|&b| if b == b'\\' { b'/' } else { b }).collect();
+        let foreign =
+            matches!(*name.as_slice(), [b'a'..=b'z' | b'A'..=b'Z', b':', ..]) || name.starts_with(b"//");
+        if name.is_empty() || name.contains(&0) {
+            return None;
         }
-        let wanted = wanted.to_string_lossy().to_lowercase();
-        let listed = if path.as_os_str().is_empty() { Path::new(".") } else { path.as_path() };
-        let entries = std::fs::read_dir(listed).ok()?;
-        let names = entries.filter_map(|entry| Some(entry.ok()?.file_name()));
-        let fitting = names.filter(|name| name.to_string_lossy().to_lowercase() == wanted).min()?;
-        path = path.join(fitting);
+        if !foreign {
+            let path = folder.join(path_from_bytes(&name));
+            if path.exists() {
+                return Some(Found { path, how: Match::Exact });
+            }
+            if let Some(path) = self.find_in_any_case(folder, &path_from_bytes(&name)) {
+                return Some(Found { path, how: Match::OtherCase });
+            }
+        }
+        let last =
+            name.rsplit(|&b| b == b'/').next().filter(|last| !last.is_empty() && last.len() < name.len())?;
+        let last = path_from_bytes(last);
+        let beside = folder.join(&last);
+        let path = if beside.exists() { Some(beside) } else { self.find_in_any_case(folder, &last) };
+        path.map(|path| Found { path, how: Match::OtherFolder })
     }
-    Some(path)
+
+    /// Walks `name` from `folder`, taking the alphabetically first entry that differs in case where none fits.
+    fn find_in_any_case(&mut self, folder: &Path, name: &Path) -> Option<PathBuf> {
+        let mut path = folder.to_path_buf();
+        for component in name.components() {
+            let next = path.join(component);
+            let Component::Normal(wanted) = component else {
+                path = next;
+                continue;
+            };
+            if next.exists() {
+                path = next;
+                continue;
+            }
+            let fitting = self.listing(&path).get(&wanted.to_string_lossy().to_lowercase())?.clone();
+            path = path.join(fitting);
+        }
+        // A link that leads nowhere is listed, too.
+        path.exists().then_some(path)
+    }
+
+    /// The entries of a folder; none where it cannot be listed.
+    pub(crate) fn listing(&mut self, folder: &Path) -> &HashMap<String, OsString> {
+        self.listings.entry(folder.to_path_buf()).or_insert_with(|| {
+            let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+            let mut entries = HashMap::new();
+            for entry in std::fs::read_dir(listed).into_iter().flatten().flatten() {
+                let name = entry.file_name();
+                let kept =
+                    entries.entry(name.to_string_lossy().to_lowercase()).or_insert_with(|| name.clone());
+                if name < *kept {
+                    *kept = name;
+                }
+            }
+            entries
+        })
+    }
 }

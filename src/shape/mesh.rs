@@ -1,6 +1,6 @@
 //! The triangle mesh.
 
-use crate::math::{Aabb, Vec3};
+use crate::math::{Aabb, Vec2, Vec3};
 
 /// In an attribute's index: this corner has no normal (or texture coordinate).
 pub const NO_INDEX: u32 = u32::MAX;
@@ -119,6 +119,30 @@ impl Mesh {
         let [a, b, c] = self.indices[triangle];
         let p = &self.positions;
         [Vec3::from(p[a as usize]), Vec3::from(p[b as usize]), Vec3::from(p[c as usize])]
+    }
+
+    /// The texture coordinates of a triangle's corners; `None` where it has none.
+    #[inline]
+    pub fn triangle_uvs(&self, triangle: usize) -> Option<[Vec2; 3]> {
+        let corners = self.uvs.as_ref()?.corners(triangle, self.indices[triangle])?;
+        Some(corners.map(Vec2::from))
+    }
+
+    /// The texture coordinates at a place with barycentric weights `u` (second corner) and `v` (third corner).
+    #[inline]
+    pub fn uv(&self, triangle: usize, u: f32, v: f32) -> Option<Vec2> {
+        let [a, b, c] = self.triangle_uvs(triangle)?;
+        Some(a * (1.0 - u - v) + b * u + c * v)
+    }
+
+    /// The texture coordinates at the point `p` of a triangle, by the areas that it cuts the triangle into.
+    pub fn uv_at(&self, triangle: usize, p: Vec3) -> Option<Vec2> {
+        let [a, b, c] = self.triangle(triangle);
+        let n = (b - a).cross(c - a);
+        let whole = n.length_squared();
+        let u = (p - a).cross(c - a).dot(n) / whole;
+        let v = (b - a).cross(p - a).dot(n) / whole;
+        if u.is_finite() && v.is_finite() { self.uv(triangle, u, v) } else { None }
     }
 
     /// The smallest box around all triangles' corners (unreferenced vertices do not count).

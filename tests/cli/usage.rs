@@ -30,6 +30,7 @@ const WORDS: &[(&str, &str)] = &[
     ("--progress", "plain"),
     ("--view", "front"),
     ("--sky", "studio"),
+    ("--focus", "X,Y"),
     ("--up", "-z"),
     ("--aov", "depth"),
 ];
@@ -64,7 +65,7 @@ fn a_slip_gets_a_suggestion() {
     drt(dir, &["t.obj", "--integrator", "pth"]).expect(2, &["did you mean \"path\"?"]);
     drt(dir, &["t.obj", "--set", "film.fliter=box"]).expect(2, &["did you mean \"filter\"?"]);
     drt(dir, &["t.obj", "--view", "frnt"]).expect(2, &["did you mean \"front\"?"]);
-    drt(dir, &["t.obj", "--sky", "evening.hdr"]).expect(2, &["not supported by this version"]);
+    drt(dir, &["t.obj", "--sky", "evening.hdr"]).expect(1, &["evening.hdr", "No such file"]);
 }
 
 #[test]
@@ -102,4 +103,26 @@ fn help_and_version_answer_on_stdout() {
     assert!(version.out.contains("bvh") && version.out.contains("mbree") && version.out.contains("sse2"));
     drt(folder.path(), &["-h"]).expect(0, &[]);
     drt(folder.path(), &["render", "--help"]).expect(0, &[]);
+}
+
+#[test]
+fn focus_needs_a_lens_and_something_to_see() {
+    let folder = folder();
+    let dir = folder.path();
+    let small = ["t.obj", "--size", "32x24", "--spp", "1", "--focus"];
+    let with = |rest: &[&'static str]| drt(dir, &[&small[..], rest].concat());
+    with(&["16,12"]).expect(2, &["--focus", "no lens", "camera.aperture"]);
+    with(&["32,0", "--set", "camera.aperture=0.01"]).expect(2, &["--focus", "outside the picture of 32x24"]);
+    with(&["0,0", "--set", "camera.aperture=0.01"]).expect(2, &["--focus", "0,0 sees nothing"]);
+}
+
+/// What one run writes, the next one takes as its light.
+#[test]
+fn a_picture_is_a_sky() {
+    let folder = folder();
+    let dir = folder.path();
+    let small = ["t.obj", "--size", "32x16", "--spp", "1"];
+    drt(dir, &[&small[..], &["-q", "-o", "sky.hdr"]].concat()).expect(0, &[]);
+    drt(dir, &[&small[..], &["-q", "--sky", "sky.hdr", "-o", "lit.png"]].concat()).expect(0, &[]);
+    drt(dir, &[&small[..], &["--sky", "sky.hdr", "-o", "sky.hdr"]].concat()).expect(2, &["sky.hdr"]);
 }

@@ -4,7 +4,7 @@ use crate::harness::{obj, on_every_backend, stage};
 use std::f64::consts::PI;
 
 /// A floor at z = 0 with ρ = .5, seen at (x, 0, 0) from the side; `rest` adds what shines.
-fn floor_at(x: f64, rest: &str) -> String {
+pub fn floor_at(x: f64, rest: &str) -> String {
     format!(
         "[camera]\ntype = \"orthographic\"\nposition = [{x}, -3.0, 0.5]\nlook_at = [{x}, 0.0, 0.0]\nup = [0, 0, 1]\n\
          height = 1e-4\n[film]\nsize = [8, 8]\n[render]\nspp = 64\nmax_depth = 1\n\
@@ -12,16 +12,16 @@ fn floor_at(x: f64, rest: &str) -> String {
     )
 }
 
-fn floor() -> (&'static str, String) {
+pub fn floor() -> (&'static str, String) {
     ("floor.obj", obj(&[vec![[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0, 9.0, 0.0]]]))
 }
 
-const LAMP: &str = "[[mesh]]\nfile = \"lamp.obj\"\nmaterial = \"lamp\"\n\
+pub const LAMP: &str = "[[mesh]]\nfile = \"lamp.obj\"\nmaterial = \"lamp\"\n\
                     [materials.lamp]\ntype = \"diffuse\"\nreflectance = 0.0\nemission = 1.0\n";
 
 /// Lambert's formula: E = (L/2) Σ Θᵢ (Γᵢ·n) over the edges of a polygon above the horizon, seen from the
 /// origin of the receiver with normal n = +z.
-fn lambert(polygon: &[[f64; 3]], from: [f64; 3]) -> f64 {
+pub fn lambert(polygon: &[[f64; 3]], from: [f64; 3]) -> f64 {
     let v: Vec<glam::DVec3> =
         polygon.iter().map(|p| (glam::DVec3::from(*p) - glam::DVec3::from(from)).normalize()).collect();
     let edge = |i: usize| {
@@ -31,7 +31,7 @@ fn lambert(polygon: &[[f64; 3]], from: [f64; 3]) -> f64 {
     (0.5 * (0..v.len()).map(edge).sum::<f64>()).abs()
 }
 
-const SQUARE: [[f64; 3]; 4] = [[-0.5, -0.5, 1.0], [0.5, -0.5, 1.0], [0.5, 0.5, 1.0], [-0.5, 0.5, 1.0]];
+pub const SQUARE: [[f64; 3]; 4] = [[-0.5, -0.5, 1.0], [0.5, -0.5, 1.0], [0.5, 0.5, 1.0], [-0.5, 0.5, 1.0]];
 
 #[test]
 fn o7_a_square_lamp_over_a_floor() {

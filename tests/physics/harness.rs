@@ -7,6 +7,7 @@ use drt::math::DVec3;
 use drt::render::{Hooks, RenderStats, build, render};
 use drt::scene::{Scene, Settings};
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// A scene read and built on one backend.
 pub struct Stage {
@@ -17,10 +18,37 @@ pub struct Stage {
 
 /// Reads a scene file whose text is `toml`, beside the files `files`, with `--set` overrides.
 pub fn stage(toml: &str, files: &[(&str, String)], backend: Backend, set: &[&str]) -> Stage {
+    stage_files(toml, files, |_| (), backend, set)
+}
+
+/// The same beside files of any bytes.
+pub fn stage_bytes(toml: &str, files: &[(&str, Vec<u8>)], backend: Backend, set: &[&str]) -> Stage {
+    stage_files(toml, files, |_| (), backend, set)
+}
+
+/// [`stage`] with other files that `prepare` writes into the scene's folder.
+pub fn stage_with(
+    toml: &str,
+    files: &[(&str, String)],
+    prepare: impl Fn(&Path),
+    backend: Backend,
+    set: &[&str],
+) -> Stage {
+    stage_files(toml, files, prepare, backend, set)
+}
+
+fn stage_files<T: AsRef<[u8]>>(
+    toml: &str,
+    files: &[(&str, T)],
+    prepare: impl Fn(&Path),
+    backend: Backend,
+    set: &[&str],
+) -> Stage {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
+    prepare(folder.path());
     let path = folder.path().join("scene.toml");
     std::fs::write(&path, toml).unwrap();
     let mut overrides = vec![Override::parse(&format!("render.backend={}", backend.name())).unwrap()];
@@ -31,6 +59,10 @@ pub fn stage(toml: &str, files: &[(&str, String)], backend: Backend, set: &[&str
 }
 
 impl Stage {
+    pub fn accel(&self) -> &dyn Intersector {
+        self.accel.as_ref()
+    }
+
     pub fn render(&self, change: impl FnOnce(&mut Settings)) -> (Image, RenderStats) {
         let mut settings = self.settings.clone();
         change(&mut settings);
@@ -99,6 +131,15 @@ pub fn on_every_backend(check: impl Fn(Backend)) {
     for &backend in Backend::ALL {
         check(backend);
     }
+}
+
+/// A PNG of 8-bit colours, row by row from the top.
+pub fn picture(width: u32, colors: &[[u8; 3]]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, colors.len() as u32 / width);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().unwrap().write_image_data(colors.as_flattened()).unwrap();
+    bytes
 }
 
 /// An OBJ text from polygons.

@@ -8,8 +8,15 @@
 
 mod closed;
 mod convergence;
+mod cutouts;
 mod direct;
 mod harness;
 mod invariance;
 mod lamps;
+mod lenses;
+mod many;
 mod materials;
+mod relief;
+mod skies;
+mod surfaces;
+mod textures;

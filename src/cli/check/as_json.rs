@@ -50,7 +50,10 @@ fn material(m: &MaterialReport) -> Value {
 }
 
 fn texture(t: &TextureReport) -> Value {
-    json!({ "file": path(&t.library), "line": t.line, "key": t.key, "material": t.material, "path": t.path.as_deref().map(path) })
+    json!({
+        "file": path(&t.library), "line": t.line, "key": t.key, "material": t.material,
+        "path": t.path.as_deref().map(path), "size": t.size, "tiles": t.tiles,
+    })
 }
 
 /// `line` is 0 where no line applies.

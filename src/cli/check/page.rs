@@ -157,9 +157,15 @@ fn textures(page: &mut String, report: &Report) {
     sorted.sort_by_key(|t| t.path.is_some());
     for t in sorted.into_iter().take(ROWS) {
         let path = t.path.as_ref().map_or_else(|| "missing".to_string(), |path| show_path(path));
+        let size = match (t.size, t.tiles) {
+            (Some([width, height]), 0 | 1) => format!(", {width}x{height}"),
+            (Some([width, height]), tiles) => format!(", {width}x{height} and {} more tiles", tiles - 1),
+            (None, _) if t.path.is_some() => ", not shown".to_string(),
+            (None, _) => String::new(),
+        };
         let _ = writeln!(
             page,
-            "  {:<12} {path}  ({}:{}, {})",
+            "  {:<12} {path}{size}  ({}:{}, {})",
             t.key,
             show_path(&t.library),
             t.line,

@@ -13,7 +13,6 @@ const IGNORED: &[&[u8]] = &[
     b"refl",
     b"map_refl",
     b"map_aat",
-    b"map_ps",
     b"map_pc",
     b"map_pcr",
     b"map_tr",
@@ -112,6 +111,7 @@ impl<'a> Reader<'a> {
             b"norm" | b"map_norm" => self.texture("norm", rest, |m| &mut m.norm),
             b"map_pr" => self.texture("map_Pr", rest, |m| &mut m.map_pr),
             b"map_pm" => self.texture("map_Pm", rest, |m| &mut m.map_pm),
+            b"map_ps" => self.texture("map_Ps", rest, |m| &mut m.map_ps),
             b"disp" | b"map_disp" => self.texture("disp", rest, |m| &mut m.disp),
             _ if IGNORED.contains(&key) => {}
             _ => self.note("mtl-unknown-statement", Severity::Note, "a statement that MTL does not have was ignored"),

@@ -1,4 +1,5 @@
-//! Picture files become linear colours: .exr, .hdr and .pfm as they are, .png and .jpg from sRGB.
+//! Picture files become linear colours: .exr, .hdr and .pfm as they are, the others from sRGB; or the compact texels
+//! of a texture, which leave open what codes mean (`texels`).
 //!
 //! The format is told from the first bytes, not from the name. Sizes are checked before anything is decoded.
 
@@ -6,13 +7,14 @@ mod exr;
 mod pfm;
 #[cfg(test)]
 mod tests;
+pub(crate) mod texels;
 
 use super::open::open_regular;
 use crate::error::{Error, Result};
 use crate::film::Image;
-use crate::math::srgb::srgb_to_linear;
-use ::image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
-use std::io::{Cursor, Read};
+use crate::texture::Transfer;
+use ::image::ImageFormat;
+use std::io::Read;
 use std::path::Path;
 
 /// More pixels than this are refused: 3 GiB as linear colours, about a 22k × 11k panorama.
@@ -59,24 +61,61 @@ pub fn read(path: &Path) -> Result<Picture> {
 /// # Errors
 /// As [`read`], without the file's name.
 pub fn decode(bytes: &[u8]) -> Result<Picture> {
-    const SIGNATURES: [(&[u8], Decoder); 6] = [
-        (b"\x76\x2f\x31\x01", exr::decode),
-        (b"\x89PNG\r\n\x1a\n", |bytes| coded(bytes, ImageFormat::Png)),
-        (b"\xff\xd8\xff", |bytes| coded(bytes, ImageFormat::Jpeg)),
-        (b"#?", |bytes| coded(bytes, ImageFormat::Hdr)),
-        (b"PF", pfm::decode),
-        (b"Pf", pfm::decode),
-    ];
-    match SIGNATURES.iter().find(|(signature, _)| bytes.starts_with(signature)) {
-        Some((_, decoder)) => decoder(bytes),
+    match kind_of(bytes) {
+        Some(Kind::Exr) => exr::decode(bytes),
+        Some(Kind::Pfm) => pfm::decode(bytes),
+        Some(Kind::Coded(format)) => coded(bytes, format),
         None if bytes.is_empty() => Err(Error::new("the file is empty")),
-        None => {
-            Err(Error::new("not a picture that can be read").advise("known: .exr, .png, .jpg, .hdr, .pfm"))
-        }
+        None => Err(Error::new("not a picture that can be read").advise(format!("known: {KNOWN}"))),
     }
 }
 
-type Decoder = fn(&[u8]) -> Result<Picture>;
+/// What can be read, for messages.
+const KNOWN: &str = ".exr, .png, .jpg, .hdr, .pfm, .tga, .bmp, .tif, .gif";
+
+/// A format of pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Exr,
+    Pfm,
+    /// What the `image` crate reads.
+    Coded(ImageFormat),
+}
+
+/// The format of a file that begins with these bytes.
+fn kind_of(bytes: &[u8]) -> Option<Kind> {
+    const SIGNATURES: [(&[u8], Kind); 11] = [
+        (b"\x76\x2f\x31\x01", Kind::Exr),
+        (b"\x89PNG\r\n\x1a\n", Kind::Coded(ImageFormat::Png)),
+        (b"\xff\xd8\xff", Kind::Coded(ImageFormat::Jpeg)),
+        (b"#?", Kind::Coded(ImageFormat::Hdr)),
+        (b"PF", Kind::Pfm),
+        (b"Pf", Kind::Pfm),
+        (b"BM", Kind::Coded(ImageFormat::Bmp)),
+        (b"GIF8", Kind::Coded(ImageFormat::Gif)),
+        (b"II*\0", Kind::Coded(ImageFormat::Tiff)),
+        (b"MM\0*", Kind::Coded(ImageFormat::Tiff)),
+        (b"II+\0", Kind::Coded(ImageFormat::Tiff)),
+    ];
+    let signed = SIGNATURES.iter().find(|(signature, _)| bytes.starts_with(signature)).map(|row| row.1);
+    signed.or_else(|| is_targa(bytes).then_some(Kind::Coded(ImageFormat::Tga)))
+}
+
+/// Targa files have no signature: a header that makes sense must do.
+fn is_targa(bytes: &[u8]) -> bool {
+    let Some(&[_, map, kind, _, _, _, _, map_bits, _, _, _, _, w0, w1, h0, h1, bits, _]) =
+        bytes.first_chunk()
+    else {
+        return false;
+    };
+    let has_map = matches!(kind, 1 | 9);
+    matches!(kind, 1 | 2 | 3 | 9 | 10 | 11)
+        && map == u8::from(has_map || map == 1)
+        && (!has_map || map == 1 && matches!(map_bits, 15 | 16 | 24 | 32))
+        && matches!(bits, 8 | 15 | 16 | 24 | 32)
+        && [w0, w1] != [0; 2]
+        && [h0, h1] != [0; 2]
+}
 
 /// Refuses a picture without pixels or with too many.
 fn check_size(width: u64, height: u64) -> Result<(u32, u32)> {
@@ -87,30 +126,11 @@ fn check_size(width: u64, height: u64) -> Result<(u32, u32)> {
     }
 }
 
-/// PNG, JPEG and Radiance files.
+/// What the `image` crate reads, as linear colours.
 fn coded(bytes: &[u8], format: ImageFormat) -> Result<Picture> {
-    let damaged = |e: ::image::ImageError| Error::new(format!("cannot decode the picture: {e}"));
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(MOST_BYTES);
-    reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(damaged)?;
-    let (width, height) = decoder.dimensions();
-    let (width, height) = check_size(width.into(), height.into())?;
-    let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?;
-
-    let (encoding, pixels): (_, Vec<[f32; 3]>) = match (&decoded, format) {
-        (_, ImageFormat::Hdr) => (Encoding::Linear, decoded.into_rgb32f().pixels().map(|p| p.0).collect()),
-        (DynamicImage::ImageLuma8(_) | DynamicImage::ImageLumaA8(_), _)
-        | (DynamicImage::ImageRgb8(_) | DynamicImage::ImageRgba8(_), _) => {
-            let linear: Vec<f32> = (0..=255).map(|c| srgb_to_linear(f64::from(c) / 255.0) as f32).collect();
-            let value = |c: u8| linear.get(usize::from(c)).copied().unwrap_or(1.0);
-            (Encoding::Display, decoded.into_rgb8().pixels().map(|p| p.0.map(value)).collect())
-        }
-        _ => {
-            let value = |c: u16| srgb_to_linear(f64::from(c) / 65535.0) as f32;
-            (Encoding::Display, decoded.into_rgb16().pixels().map(|p| p.0.map(value)).collect())
-        }
-    };
+    let (texels, transfer) = texels::coded_bytes(bytes, format)?;
+    let [width, height] = texels.size();
+    let pixels: Vec<[f32; 3]> = texels.pixels(transfer).map(|[r, g, b, _]| [r, g, b]).collect();
+    let encoding = if transfer == Transfer::Srgb { Encoding::Display } else { Encoding::Linear };
     Ok(Picture { image: Image::from_rgb(width, height, &pixels, String::new()), encoding })
 }

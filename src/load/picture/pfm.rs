@@ -4,8 +4,19 @@
 use super::{Encoding, Picture, check_size};
 use crate::error::{Error, Result};
 use crate::film::Image;
+use crate::texture::{Data, Texels};
 
-pub(super) fn decode(bytes: &[u8]) -> Result<Picture> {
+/// What stands before the samples.
+pub(super) struct Header<'b> {
+    /// Width and height, as they are stated.
+    pub size: [u64; 2],
+    /// 3 or 1.
+    pub channels: usize,
+    little: bool,
+    samples: &'b [u8],
+}
+
+pub(super) fn header(bytes: &[u8]) -> Result<Header<'_>> {
     let damaged =
         || Error::new("the PFM header is damaged").advise("it must be: PF or Pf, width, height, scale");
     let mut rest = bytes;
@@ -18,22 +29,38 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Picture> {
     let width = word()?.parse().map_err(|_| damaged())?;
     let height = word()?.parse().map_err(|_| damaged())?;
     let scale: f64 = word()?.parse().map_err(|_| damaged())?;
-    let (width, height) = check_size(width, height)?;
+    Ok(Header { size: [width, height], channels, little: scale < 0.0, samples: rest })
+}
 
-    let samples = width as usize * height as usize * channels;
-    if rest.len() < 4 * samples {
+/// Size, channels and samples, row by row from the top.
+fn samples(bytes: &[u8]) -> Result<([u32; 2], usize, Vec<f32>)> {
+    let Header { size: [width, height], channels, little, samples } = header(bytes)?;
+    let (width, height) = check_size(width, height)?;
+    let count = width as usize * height as usize * channels;
+    if samples.len() < 4 * count {
         return Err(Error::new(format!(
             "the file ends early: {} of {} bytes of pixels",
-            rest.len(),
-            4 * samples
+            samples.len(),
+            4 * count
         )));
     }
-    let (words, _) = rest.as_chunks::<4>();
-    let value = |b: &[u8; 4]| if scale < 0.0 { f32::from_le_bytes(*b) } else { f32::from_be_bytes(*b) };
-    let values: Vec<f32> = words.iter().take(samples).map(value).collect();
-    let rows = values.chunks_exact(width as usize * channels).rev();
-    let pixels: Vec<[f32; 3]> = rows.flat_map(|row| row.chunks_exact(channels)).map(colour).collect();
+    let (words, _) = samples.as_chunks::<4>();
+    let value = |b: &[u8; 4]| if little { f32::from_le_bytes(*b) } else { f32::from_be_bytes(*b) };
+    let row_bytes = width as usize * channels;
+    let rows = words.get(..count).unwrap_or_default().chunks_exact(row_bytes).rev();
+    Ok(([width, height], channels, rows.flatten().map(value).collect()))
+}
+
+pub(super) fn decode(bytes: &[u8]) -> Result<Picture> {
+    let ([width, height], channels, values) = samples(bytes)?;
+    let pixels: Vec<[f32; 3]> = values.chunks_exact(channels).map(colour).collect();
     Ok(Picture { image: Image::from_rgb(width, height, &pixels, String::new()), encoding: Encoding::Linear })
+}
+
+/// The texels of a texture.
+pub(super) fn texels(bytes: &[u8]) -> Result<Texels> {
+    let ([width, height], channels, values) = samples(bytes)?;
+    Texels::new(width, height, channels, Data::F32(values))
 }
 
 fn colour(samples: &[f32]) -> [f32; 3] {

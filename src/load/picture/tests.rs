@@ -3,6 +3,7 @@
 use super::*;
 use crate::output::{self, FORMATS, Format};
 use ::exr::prelude::f16;
+use std::io::Cursor;
 use std::path::PathBuf;
 
 fn gradient(width: u32, height: u32) -> Image {
@@ -119,7 +120,7 @@ fn damaged_files_are_errors_and_never_panics() {
         assert!(decode(&whole[..20]).is_err(), "{:?}", entry.format);
     }
     assert!(decode(b"").unwrap_err().message.contains("empty"));
-    assert!(decode(b"GIF89a").unwrap_err().to_string().contains(".exr"));
+    assert!(decode(b"RIFF....WEBP").unwrap_err().to_string().contains(".exr"));
 }
 
 #[test]

@@ -1,12 +1,20 @@
 //! `[materials.NAME]`: a material of its own, or changes to the one of that name in an MTL.
 
 use super::reader::{Field, LIGHT, SHARE, Section};
-use crate::bsdf::Bsdf;
-use crate::bsdf::fresnel::{METALS, Reflectance};
+use super::texture::Textures;
+use crate::bsdf::fresnel::Reflectance;
+use crate::bsdf::metals::METALS;
+use crate::bsdf::parameter::Channels;
+use crate::bsdf::principled::Look;
+use crate::bsdf::{
+    Bsdf, Conductor, Dielectric, Diffuse, Mirror, Mix, OrenNayar, Parameter, Phong, Plastic, Principled,
+    Translucent,
+};
 use crate::error::{Error, Result, unknown_word_advice};
-use crate::load::materials::{MaterialSpec, Model};
+use crate::load::materials::{MaterialSpec, MixSpec};
 use crate::math::Rgb;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// The keys of one `[materials.NAME]`.
 #[derive(Clone)]
@@ -14,69 +22,89 @@ pub(crate) struct MaterialPatch<'t> {
     /// The table, for findings and errors.
     pub field: Field<'t>,
     /// The model that replaces another; without it the keys change what is there.
-    model: Option<Model>,
+    model: Option<Bsdf>,
+    /// The mixture that it is instead of a model.
+    mix: Option<MixSpec>,
     changes: Vec<(Field<'t>, Change)>,
     emission: Option<Rgb>,
     two_sided: Option<bool>,
+    textures: Textures<'t>,
 }
 
 /// A key of a model with its value.
 #[derive(Clone, Copy)]
 enum Change {
-    Reflectance(Rgb),
+    Set(Parameter, Rgb),
     Index { eta: Rgb, k: Rgb },
-    Alpha(f32),
     Compensate(bool),
-    Diffuse(Rgb),
-    Specular(Rgb),
-    Exponent(f32),
-    Ior(f32),
-    Tint(Rgb),
-    Transmittance(Rgb),
+    Thin(bool),
+    Nonlinear(bool),
 }
 
 /// Reads every material by name.
-pub(super) fn read_all<'t>(field: &Field<'t>) -> Result<BTreeMap<String, MaterialPatch<'t>>> {
+pub(super) fn read_all<'t>(field: &Field<'t>, folder: &Path) -> Result<BTreeMap<String, MaterialPatch<'t>>> {
     let materials = field.section()?.all();
-    materials.into_iter().map(|(name, field)| Ok((name.to_string(), read(field)?))).collect()
+    materials.into_iter().map(|(name, field)| Ok((name.to_string(), read(field, folder)?))).collect()
 }
 
-fn read(field: Field<'_>) -> Result<MaterialPatch<'_>> {
-    const LATER: &[&str] = &["principled"];
+fn read<'t>(field: Field<'t>, folder: &Path) -> Result<MaterialPatch<'t>> {
     let mut table = field.section()?;
-    let model = table.read("type", |f| f.word(LATER, usual))?;
-    table.not_yet(&["opacity", "normal_map", "bump", "base_color", "metallic"])?;
-    let changes = [
-        change(&mut table, "reflectance", |f| f.color(SHARE).map(Change::Reflectance))?,
-        index(&mut table)?,
-        alpha(&mut table)?,
-        change(&mut table, "compensate", |f| f.bool().map(Change::Compensate))?,
-        change(&mut table, "diffuse", |f| f.color(SHARE).map(Change::Diffuse))?,
-        change(&mut table, "specular", |f| f.color(SHARE).map(Change::Specular))?,
-        change(&mut table, "exponent", |f| f.number(0.0..=1e6).map(|n| Change::Exponent(n as f32)))?,
-        change(&mut table, "ior", |f| f.number(0.1..=10.0).map(|n| Change::Ior(n as f32)))?,
-        change(&mut table, "tint", |f| f.color(SHARE).map(Change::Tint))?,
-        change(&mut table, "transmittance", |f| f.color(SHARE).map(Change::Transmittance))?,
-    ];
+    let textures = Textures::take(&mut table, folder)?;
+    let kind = table.get("type");
+    let is_mix = matches!(&kind, Some(f) if f.text()? == Mix::NAME.0);
+    let model = match kind {
+        Some(kind) if !is_mix => Some(kind.word(&[], usual)?),
+        _ => None,
+    };
+    let mix = if is_mix { Some(mixture(&field, &mut table)?) } else { None };
+    let changes = changes(&mut table)?;
     let emission = table.read("emission", |f| f.color(LIGHT))?;
     let two_sided = table.read("two_sided", |f| f.bool())?;
     table.finish()?;
-    let changes: Vec<(Field<'_>, Change)> = changes.into_iter().flatten().collect();
-    let of = |wanted: fn(&Change) -> bool| changes.iter().find(|(_, c)| wanted(c)).map(|(f, _)| f);
-    if let (Some(a), Some(b)) =
-        (of(|c| matches!(c, Change::Reflectance(_))), of(|c| matches!(c, Change::Index { .. })))
-    {
-        let names = (a.name(), b.name());
-        return Err(b
-            .error(format!("{} and {} exclude each other", names.0, names.1))
-            .advise("give one of them"));
+    if let (true, Some((field, _))) = (is_mix, changes.first()) {
+        return Err(field.error(format!("{} is no key of a mix", field.name())));
     }
-    let patch = MaterialPatch { field, model, changes, emission, two_sided };
+    let patch = MaterialPatch { field, model, mix, changes, emission, two_sided, textures };
     if patch.model.is_some() {
         // The model is known, so its keys are checked before any mesh is read.
         patch.apply(MaterialSpec::diffuse("", Rgb::ONE))?;
     }
     Ok(patch)
+}
+
+/// The keys that change a model's numbers.
+fn changes<'t>(table: &mut Section<'t>) -> Result<Vec<(Field<'t>, Change)>> {
+    let mut changes = Vec::new();
+    // They are the material's own.
+    let own = |parameter| matches!(parameter, Parameter::Emission | Parameter::Opacity);
+    for &(parameter, key, channels, [low, high]) in Parameter::NAMES.iter().filter(|row| !own(row.0)) {
+        let value = |f: &Field<'t>| match channels {
+            Channels::Color => f.color(low..=high),
+            Channels::Number => f.number(low..=high).map(|x| Rgb::splat(x as f32)),
+        };
+        changes.extend(change(table, key, |f| value(f).map(|v| Change::Set(parameter, v)))?);
+    }
+    changes.extend(index(table)?);
+    changes.extend(change(table, "compensate", |f| f.bool().map(Change::Compensate))?);
+    changes.extend(change(table, "thin", |f| f.bool().map(Change::Thin))?);
+    changes.extend(change(table, "nonlinear", |f| f.bool().map(Change::Nonlinear))?);
+    let of = |wanted: fn(&Change) -> bool| changes.iter().find(|(_, c)| wanted(c)).map(|(f, _)| f);
+    if let (Some(a), Some(b)) = (
+        of(|c| matches!(c, Change::Set(Parameter::Reflectance, _))),
+        of(|c| matches!(c, Change::Index { .. })),
+    ) {
+        let message = format!("{} and {} exclude each other", a.name(), b.name());
+        return Err(b.error(message).advise("give one of them"));
+    }
+    if let (Some(alpha), Some(_)) = (
+        of(|c| matches!(c, Change::Set(Parameter::Alpha, _))),
+        of(|c| matches!(c, Change::Set(Parameter::Roughness, _))),
+    ) {
+        return Err(alpha
+            .error(format!("{} and roughness both set the width", alpha.name()))
+            .advise("alpha is roughness squared; give one of them"));
+    }
+    Ok(changes)
 }
 
 /// The key `key` of a model, where it is there.
@@ -96,27 +124,36 @@ fn with_field<'t, T>(
     table.read(key, |f| how(&f).map(|value| (f, value)))
 }
 
+/// `materials = ["a", "b"]` and `amount`.
+fn mixture<'t>(field: &Field<'t>, table: &mut Section<'t>) -> Result<MixSpec> {
+    let Some(parts) = table.get("materials") else { return Err(table.missing(field, "materials")) };
+    let what = "a list of the names of two materials";
+    let items = parts.list(what)?;
+    let [a, b] = items.as_slice() else { return Err(parts.must_be(what)) };
+    let names = [a.text()?.to_string(), b.text()?.to_string()];
+    let amount = table.read("amount", |f| f.number(SHARE))?.unwrap_or(0.5) as f32;
+    Ok(MixSpec { names, amount, ids: [0; 2] })
+}
+
 /// The model of that name with its usual numbers.
-fn usual(name: &str) -> Result<Model> {
-    match name {
-        "diffuse" => Ok(Model::Diffuse { reflectance: Rgb::splat(0.5) }),
-        "mirror" => Ok(Model::Mirror { reflectance: Rgb::ONE }),
-        "conductor" => Ok(Model::Conductor {
-            reflectance: Reflectance::Constant(Rgb::ONE),
-            alpha: 0.0,
-            compensate: true,
-        }),
-        "phong" => Ok(Model::Phong { diffuse: Rgb::splat(0.5), specular: Rgb::splat(0.25), exponent: 32.0 }),
-        "dielectric" => Ok(Model::Dielectric { ior: 1.5, tint: Rgb::ONE }),
-        "translucent" => {
-            Ok(Model::Translucent { reflectance: Rgb::splat(0.4), transmittance: Rgb::splat(0.4) })
-        }
+fn usual(name: &str) -> Result<Bsdf> {
+    let gray = Rgb::splat(0.5);
+    Ok(match name {
+        "diffuse" => Bsdf::Diffuse(Diffuse { reflectance: gray }),
+        "oren-nayar" => Bsdf::OrenNayar(OrenNayar::new(gray, 0.5)),
+        "mirror" => Bsdf::Mirror(Mirror { reflectance: Rgb::ONE }),
+        "conductor" => Bsdf::Conductor(Conductor::new(Reflectance::Constant(Rgb::ONE), 0.0, true)),
+        "phong" => Bsdf::Phong(Phong::new(gray, Rgb::splat(0.25), 32.0)),
+        "dielectric" => Bsdf::Dielectric(Dielectric::new(1.5, Rgb::ONE)),
+        "plastic" => Bsdf::Plastic(Plastic::new(gray, 1.5, 0.0)),
+        "translucent" => Bsdf::Translucent(Translucent::new(Rgb::splat(0.4), Rgb::splat(0.4))),
+        "principled" => Bsdf::Principled(Principled::new(Look::default())),
         _ => {
-            let known: Vec<&str> = Bsdf::NAMES.iter().map(|n| n.0).collect();
-            Err(Error::new(format!("unknown material type \"{name}\""))
-                .advise(unknown_word_advice(name, &known)))
+            let known: Vec<&str> = Bsdf::NAMES.iter().map(|n| n.0).chain([Mix::NAME.0]).collect();
+            return Err(Error::new(format!("unknown material type \"{name}\""))
+                .advise(unknown_word_advice(name, &known)));
         }
-    }
+    })
 }
 
 /// `eta` and `k`, or `metal`.
@@ -143,23 +180,21 @@ fn metal(word: &str) -> Result<Change> {
     })
 }
 
-/// GGX α: as it is, or as the square of `roughness`.
-fn alpha<'t>(table: &mut Section<'t>) -> Result<Option<(Field<'t>, Change)>> {
-    let square = |f: &Field<'t>| f.number(SHARE).map(|r| Change::Alpha((r * r) as f32));
-    let roughness = change(table, "roughness", square)?;
-    let alpha = change(table, "alpha", |f| f.number(SHARE).map(|a| Change::Alpha(a as f32)))?;
-    match (roughness, alpha) {
-        (Some(_), Some((alpha, _))) => Err(alpha
-            .error(format!("{} and roughness both set the width", alpha.name()))
-            .advise("alpha is roughness squared; give one of them")),
-        (roughness, alpha) => Ok(roughness.or(alpha)),
-    }
-}
-
 impl MaterialPatch<'_> {
     /// True when it says all that a material needs, so that no library has to define it.
     pub fn is_whole(&self) -> bool {
-        self.model.is_some()
+        self.model.is_some() || self.mix.is_some()
+    }
+
+    /// The error of a mixture whose part `name` is not there.
+    pub fn missing_part(&self, name: &str, known: &[&str]) -> Error {
+        let error = self.field.error(format!("{} mixes the unknown material \"{name}\"", self.field.name()));
+        error.advise(unknown_word_advice(name, known))
+    }
+
+    /// The error of a mixture that is a part of itself.
+    pub fn own_part(&self) -> Error {
+        self.field.error(format!("{} is mixed of itself", self.field.name()))
     }
 
     /// The material `base` with these changes.
@@ -167,7 +202,12 @@ impl MaterialPatch<'_> {
     /// # Errors
     /// A key that the model has not.
     pub fn apply(&self, mut base: MaterialSpec) -> Result<MaterialSpec> {
-        base.model = self.model.unwrap_or(base.model);
+        if let Some(model) = &self.model {
+            base.model = model.clone();
+        }
+        if let Some(mix) = &self.mix {
+            base.mix = Some(mix.clone());
+        }
         for (field, change) in &self.changes {
             if !set(&mut base.model, change) {
                 let (key, model) = (field.name(), base.model.name());
@@ -176,33 +216,26 @@ impl MaterialPatch<'_> {
         }
         base.emission = self.emission.unwrap_or(base.emission);
         base.two_sided = self.two_sided.unwrap_or(base.two_sided);
+        self.textures.apply(&mut base, self.is_whole())?;
         Ok(base)
     }
 }
 
 /// Changes one number of a model; false where the model has no such number.
-fn set(model: &mut Model, change: &Change) -> bool {
-    match (change, model) {
-        (
-            Change::Reflectance(r),
-            Model::Diffuse { reflectance }
-            | Model::Mirror { reflectance }
-            | Model::Translucent { reflectance, .. },
-        ) => *reflectance = *r,
-        (Change::Transmittance(t), Model::Translucent { transmittance, .. }) => *transmittance = *t,
-        (Change::Reflectance(r), Model::Conductor { reflectance, .. }) => {
-            *reflectance = Reflectance::Constant(*r);
+fn set(model: &mut Bsdf, change: &Change) -> bool {
+    match (*change, &mut *model) {
+        // Lambert's law has no roughness: with one it is another law.
+        (Change::Set(Parameter::Roughness, r), Bsdf::Diffuse(m)) => {
+            *model = Bsdf::OrenNayar(OrenNayar::new(m.reflectance, r.x));
         }
-        (Change::Index { eta, k }, Model::Conductor { reflectance, .. }) => {
-            *reflectance = Reflectance::Index { eta: *eta, k: *k };
+        (Change::Set(parameter, value), model) => return model.set(parameter, value),
+        (Change::Index { eta, k }, Bsdf::Conductor(m)) => {
+            *m = m.with_reflectance(Reflectance::Index { eta, k });
         }
-        (Change::Alpha(a), Model::Conductor { alpha, .. }) => *alpha = *a,
-        (Change::Compensate(c), Model::Conductor { compensate, .. }) => *compensate = *c,
-        (Change::Diffuse(d), Model::Phong { diffuse, .. }) => *diffuse = *d,
-        (Change::Specular(s), Model::Phong { specular, .. }) => *specular = *s,
-        (Change::Exponent(n), Model::Phong { exponent, .. }) => *exponent = *n,
-        (Change::Ior(n), Model::Dielectric { ior, .. }) => *ior = *n,
-        (Change::Tint(t), Model::Dielectric { tint, .. }) => *tint = *t,
+        (Change::Compensate(c), Bsdf::Conductor(m)) => *m = m.with_compensation(c),
+        (Change::Compensate(c), Bsdf::Dielectric(m)) => *m = m.with_compensation(c),
+        (Change::Thin(thin), Bsdf::Dielectric(m)) => *m = m.thin(thin),
+        (Change::Nonlinear(nonlinear), Bsdf::Plastic(m)) => *m = m.with_nonlinear(nonlinear),
         _ => return false,
     }
     true

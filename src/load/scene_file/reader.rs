@@ -23,6 +23,8 @@ pub(crate) struct Section<'t> {
     entries: &'t Entries,
     file: &'t Path,
     asked: Vec<&'static str>,
+    /// Keys that somebody else reads.
+    taken: Vec<&'t str>,
 }
 
 /// A value with its dotted name.
@@ -36,7 +38,7 @@ pub(crate) struct Field<'t> {
 impl<'t> Section<'t> {
     /// The whole file.
     pub fn top(entries: &'t Entries, file: &'t Path) -> Self {
-        Section { name: String::new(), entries, file, asked: Vec::new() }
+        Section { name: String::new(), entries, file, asked: Vec::new(), taken: Vec::new() }
     }
 
     fn full_name(&self, key: &str) -> String {
@@ -50,7 +52,18 @@ impl<'t> Section<'t> {
     /// The value of `key`, if it is there. Asking makes the key a known one.
     pub fn get(&mut self, key: &'static str) -> Option<Field<'t>> {
         self.asked.push(key);
+        if self.taken.contains(&key) {
+            return None;
+        }
         self.entries.get(key).map(|entry| self.field(key, entry))
+    }
+
+    /// The entries that `which` is true of, by name; for everybody else they are not there.
+    pub fn take(&mut self, which: impl Fn(&Field<'t>) -> bool) -> Vec<(&'t str, Field<'t>)> {
+        let mut taken = self.all();
+        taken.retain(|(key, field)| !self.asked.contains(key) && which(field));
+        self.taken.extend(taken.iter().map(|(key, _)| *key));
+        taken
     }
 
     /// Reads `key` where it is there.
@@ -89,7 +102,8 @@ impl<'t> Section<'t> {
 
     /// Refuses every key that was not asked for.
     pub fn finish(self) -> Result<()> {
-        let unknown = self.entries.iter().filter(|(key, _)| !self.asked.contains(&key.as_str()));
+        let is_known = |key: &str| self.asked.contains(&key) || self.taken.contains(&key);
+        let unknown = self.entries.iter().filter(|(key, _)| !is_known(key));
         // The tree is sorted by name; people read files from the top.
         let first = unknown.min_by_key(|(_, entry)| match entry.key_origin {
             Origin::File { line, column } => (line, column),
@@ -119,6 +133,16 @@ impl<'t> Field<'t> {
             Origin::File { line, .. } => line,
             Origin::Flag(_) => 0,
         }
+    }
+
+    /// The file it stands in, or would.
+    pub fn file(&self) -> &'t Path {
+        self.file
+    }
+
+    /// True for a table with a `texture`.
+    pub fn is_texture(&self) -> bool {
+        matches!(&self.node.value, Value::Table(entries) if entries.contains_key("texture"))
     }
 
     /// An error about this value.
@@ -251,7 +275,7 @@ impl<'t> Field<'t> {
                 Ok(Rgb::new(r as f32, g as f32, b as f32))
             }
             Value::Table(entries) if entries.contains_key("texture") => {
-                Err(self.error(format!("{}.texture is not supported by this version", self.name)))
+                Err(self.error(format!("{} takes no texture", self.name)))
             }
             _ => Err(self.must_be(&what)),
         }
@@ -261,7 +285,8 @@ impl<'t> Field<'t> {
     pub fn section(&self) -> Result<Section<'t>> {
         match &self.node.value {
             Value::Table(entries) => {
-                Ok(Section { name: self.name.clone(), entries, file: self.file, asked: Vec::new() })
+                let (asked, taken) = (Vec::new(), Vec::new());
+                Ok(Section { name: self.name.clone(), entries, file: self.file, asked, taken })
             }
             Value::List(items) if matches!(items.first().map(|i| &i.value), Some(Value::Table(_))) => {
                 Err(self.must_be("one table").advise(format!("write [{}] in single brackets", self.name)))

@@ -1,4 +1,6 @@
 use super::*;
+use crate::bsdf::fresnel::Reflectance;
+use crate::bsdf::{Bsdf, Conductor};
 use crate::camera::Projection;
 use crate::error::Blame;
 use crate::film::{Aov, Filter};
@@ -77,7 +79,7 @@ intensity = [1, 2, 3]
         assert_eq!(plan.camera.projection, Projection::Orthographic);
         assert_eq!(plan.camera.position, Some(DVec3::new(1.0, 2.0, 3.0)));
         assert_eq!(plan.camera.lens, Lens::Height(2.5));
-        assert_eq!((plan.camera.aperture, plan.camera.focus_distance), (0.25, Some(3.0)));
+        assert_eq!((plan.camera.aperture.radius, plan.camera.focus_distance), (0.25, Some(3.0)));
         let s = &plan.settings;
         assert_eq!((s.size, s.crop), ([320, 200], Some([10, 20, 30, 40])));
         assert_eq!(s.filter, Filter::Gaussian { sigma: 0.5, radius: 2.0 });
@@ -211,7 +213,8 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         ("[camera]\nfov = nan", 2, 7, &["not NaN"]),
         ("[camera]\nheight = 1", 2, 10, &["orthographic"]),
         ("[camera]\nshutter = [0, 1]", 2, 11, &["not supported by this version"]),
-        ("[camera]\ntype = \"panorama\"", 2, 8, &["not supported by this version"]),
+        ("[camera]\ntype = \"panorama\"\nfov = 40", 3, 7, &["not for the panorama"]),
+        ("[camera]\nblades = 2", 2, 10, &["3 to 64 blades"]),
         ("[camera]\nposition = [1, 1, 1]\nlook_at = [1, 1, 1]", 2, 12, &["same point"]),
         ("[camera]\nup = [0, 0, 2]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]", 2, 6, &["parallel"]),
         ("[camera]\nlook_at = [0, 0, 0]", 2, 11, &["without camera.position"]),
@@ -228,14 +231,24 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         ("[[mesh]]\nfile = \"a\"\nnormals = \"round\"", 3, 11, &["known: file, flat, smooth"]),
         ("[[mesh]]\nfile = \"a\"\ncrease = 60", 3, 10, &["goes with normals"]),
         ("[materials.x]\ntype = \"difuse\"", 2, 8, &["did you mean \"diffuse\"?"]),
-        ("[materials.x]\ntype = \"principled\"", 2, 8, &["not supported by this version"]),
         ("[materials.x]\nreflectance = 1.5", 2, 15, &["from 0 to 1"]),
         ("[materials.x]\nreflectance = [0.5, -0.1, 0]", 2, 21, &["from 0 to 1", "not -0.1"]),
-        ("[materials.x]\nreflectance = { texture = \"a.png\" }", 2, 15, &["texture is not supported"]),
-        ("[materials.x]\ntype = \"diffuse\"\nroughness = 0.5", 3, 13, &["no key of a diffuse material"]),
+        ("[materials.x]\nreflectance = { texture = \"a.png\", filtre = 1 }", 2, 36, &["filtre", "\"filter\""]),
+        ("[materials.x]\nreflectance = { texture = \"a.png\", filter = \"nearst\" }", 2, 45, &["nearest"]),
+        ("[materials.x]\nreflectance = { texture = 7 }", 2, 27, &["text"]),
+        ("[materials.x]\nnormal_map = { textur = \"a.png\" }", 2, 14, &["textur"]),
+        ("[materials.x]\ntwo_sided = { texture = \"a.png\" }", 2, 13, &["takes no texture"]),
+        ("[materials.x]\ntype = \"diffuse\"\nior = { texture = \"a.png\" }", 3, 7, &["no key of a diffuse"]),
+        ("[materials.x]\nopacity = 1.5", 2, 11, &["0 to 1"]),
+        ("[materials.x]\ntype = \"diffuse\"\nexponent = 5", 3, 12, &["no key of a diffuse material"]),
         ("[materials.x]\ntype = \"conductor\"\neta = 1", 3, 7, &["needs k"]),
         ("[materials.x]\ntype = \"conductor\"\nmetal = \"gould\"", 3, 9, &["did you mean \"gold\"?"]),
-        ("[[light]]\ntype = \"spot\"", 2, 8, &["not supported by this version"]),
+        ("[[light]]\ntype = \"spot\"", 1, 1, &["no position"]),
+        ("[[light]]\ntype = \"sun-sky\"\nturbidity = 1", 3, 13, &["from 2 to 10"]),
+        ("[[light]]\ntype = \"sun-sky\"\nazimuth = 1\ndirection = [0, 1, 0]", 4, 13, &["both place the sun"]),
+        ("[[light]]\ntype = \"environment\"\nfile = \"no.exr\"", 3, 8, &["no.exr", "No such file"]),
+        ("[[light]]\ntype = \"environment\"\nsky = \"a.hdr\"", 3, 7, &["given by file"]),
+        ("[[light]]\ntype = \"environment\"\nrotate = 9", 3, 10, &["goes with file"]),
         ("[[light]]\ntype = \"point\"\nposition = [0, 0, 0]", 1, 1, &["no intensity"]),
         (
             "[[light]]\ntype = \"environment\"\n[[light]]\ntype = \"environment\"",
@@ -333,7 +346,7 @@ fn any_text_is_read_or_refused() {
 
 #[test]
 fn every_registered_model_and_filter_can_be_named() {
-    for (name, _) in crate::bsdf::Bsdf::NAMES {
+    for (name, _) in Bsdf::NAMES {
         let text = format!("[materials.m]\ntype = \"{name}\"");
         let base = crate::load::materials::MaterialSpec::diffuse("m", Rgb::ONE);
         let model = with(&text, &[], |plan| plan.materials["m"].apply(base).unwrap().model.name()).unwrap();
@@ -351,20 +364,16 @@ fn every_registered_model_and_filter_can_be_named() {
 
 #[test]
 fn without_a_type_only_the_keys_given_change() {
+    let white = Reflectance::Constant(Rgb::splat(0.9));
     let metal = crate::load::materials::MaterialSpec {
-        model: crate::load::materials::Model::Conductor {
-            reflectance: crate::bsdf::fresnel::Reflectance::Constant(Rgb::splat(0.9)),
-            alpha: 0.04,
-            compensate: true,
-        },
+        model: Bsdf::Conductor(Conductor::new(white, 0.04, true)),
         emission: Rgb::splat(3.0),
         ..crate::load::materials::MaterialSpec::diffuse("m", Rgb::ONE)
     };
     let patched = |text: &str| with(text, &[], |plan| plan.materials["m"].apply(metal.clone())).unwrap();
     let changed = patched("[materials.m]\nroughness = 0.5").unwrap();
     assert_eq!(changed.emission, metal.emission);
-    let crate::load::materials::Model::Conductor { reflectance, alpha, .. } = changed.model else { panic!() };
-    assert_eq!((reflectance.average(), alpha), (Rgb::splat(0.9), 0.25));
+    assert_eq!(changed.model, Bsdf::Conductor(Conductor::new(white, 0.25, true)));
     assert_eq!(patched("[materials.m]\ntype = \"mirror\"").unwrap().model.name(), "mirror");
     let wrong = patched("[materials.m]\ncompensate = false\nexponent = 3").unwrap_err();
     assert_eq!((wrong.line, wrong.column), (Some(3), Some(12)));

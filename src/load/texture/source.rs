@@ -1,0 +1,62 @@
+//! The files of a texture: one, or the tiles of a UDIM set.
+
+use crate::load::open::{Finder, Match, path_from_bytes};
+use std::path::{Path, PathBuf};
+
+/// The files of a texture.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Source {
+    /// One picture.
+    One(PathBuf),
+    /// Tiles of a UDIM set by number, ascending.
+    Tiles(Vec<(u32, PathBuf)>),
+}
+
+impl Source {
+    /// Every file.
+    pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        let (one, tiles) = match self {
+            Source::One(path) => (Some(path), [].as_slice()),
+            Source::Tiles(tiles) => (None, tiles.as_slice()),
+        };
+        one.into_iter().chain(tiles.iter().map(|tile| &tile.1))
+    }
+
+    /// The files that a scene in `folder` calls `name`, and how the name led to them.
+    pub fn find(finder: &mut Finder, folder: &Path, name: &[u8]) -> Option<(Source, Match)> {
+        let Some(at) = token(name) else {
+            return finder.find(folder, name).map(|found| (Source::One(found.path), found.how));
+        };
+        let slashes: Vec<u8> = name.iter().map(|&b| if b == b'\\' { b'/' } else { b }).collect();
+        let start = slashes.iter().take(at).rposition(|&b| b == b'/').map_or(0, |slash| slash + 1);
+        let end = at + TOKEN.len();
+        let (prefix, suffix) = (slashes.get(start..at)?, slashes.get(end..)?);
+        let inside = folder.join(path_from_bytes(slashes.get(..start)?));
+        let folders = [(inside, Match::Exact), (folder.to_path_buf(), Match::OtherFolder)];
+        folders.into_iter().find_map(|(folder, how)| {
+            let tiles = tiles(finder, &folder, prefix, suffix);
+            (!tiles.is_empty()).then_some((Source::Tiles(tiles), how))
+        })
+    }
+}
+
+const TOKEN: &[u8] = b"<UDIM>";
+
+fn token(name: &[u8]) -> Option<usize> {
+    name.windows(TOKEN.len()).position(|word| word.eq_ignore_ascii_case(TOKEN))
+}
+
+/// The tiles among a folder's files: `prefix`, four digits, `suffix`, in upper or lower case.
+fn tiles(finder: &mut Finder, folder: &Path, prefix: &[u8], suffix: &[u8]) -> Vec<(u32, PathBuf)> {
+    let [prefix, suffix] = [prefix, suffix].map(|part| String::from_utf8_lossy(part).to_lowercase());
+    let number = |name: &str| -> Option<u32> {
+        let digits = name.strip_prefix(prefix.as_str())?.strip_suffix(suffix.as_str())?;
+        let is_number = digits.len() == 4 && digits.bytes().all(|b| b.is_ascii_digit());
+        digits.parse().ok().filter(|number| is_number && (1001..=9999).contains(number))
+    };
+    let entries = finder.listing(folder).iter();
+    let mut tiles: Vec<(u32, PathBuf)> =
+        entries.filter_map(|(name, entry)| Some((number(name)?, folder.join(entry)))).collect();
+    tiles.sort();
+    tiles
+}

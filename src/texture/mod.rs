@@ -1,0 +1,219 @@
+//! Pictures on surfaces. A [`Texture`] is a picture with the way it is laid over texture coordinates; it knows
+//! no files and no materials.
+//!
+//! (0, 0) of the texture coordinates is the picture's bottom left corner and (1, 1) its top right one, as in OBJ
+//! files. The centre of texel (i, j), counted from the top left, is at ((i + ½)/w, 1 − (j + ½)/h). Values are
+//! linear; filtering happens after decoding.
+
+mod lookup;
+mod opacity;
+mod relief;
+#[cfg(test)]
+mod tests;
+mod texels;
+
+pub use lookup::{Filter, Wrap};
+pub use opacity::Opacity;
+pub use relief::{Relief, Shape, Tangents};
+pub use texels::{Data, Texels, Transfer};
+
+use crate::math::{DVec3, Rgb, Vec2, luminance};
+use std::sync::Arc;
+use texels::Decoder;
+
+/// Which part of a picture a number is taken from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Channel {
+    /// Red, or the grey of a picture without colours.
+    Red,
+    /// Green.
+    Green,
+    /// Blue.
+    Blue,
+    /// Alpha; 1 where the picture has none.
+    Alpha,
+    /// Rec.709 luminance.
+    Luminance,
+}
+
+/// How a picture is laid over texture coordinates, and what is made of its values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mapping {
+    /// What happens between texels.
+    pub filter: Filter,
+    /// What happens outside the unit square.
+    pub wrap: Wrap,
+    /// Texture coordinates times this …
+    pub scale: [f32; 2],
+    /// … plus this.
+    pub offset: [f32; 2],
+    /// What codes mean.
+    pub transfer: Transfer,
+    /// One channel instead of the colour.
+    pub channel: Option<Channel>,
+    /// Values times this …
+    pub gain: Rgb,
+    /// … plus this.
+    pub base: Rgb,
+}
+
+impl Mapping {
+    /// The picture once over the unit square, repeated outside, its values as they are.
+    pub fn plain(transfer: Transfer) -> Mapping {
+        Mapping {
+            filter: Filter::Bilinear,
+            wrap: Wrap::Repeat,
+            scale: [1.0; 2],
+            offset: [0.0; 2],
+            transfer,
+            channel: None,
+            gain: Rgb::ONE,
+            base: Rgb::ZERO,
+        }
+    }
+}
+
+/// A tile of a UDIM set: its number, 1001 + column + 10·row, and its picture.
+pub type Tile = (u32, Arc<Texels>);
+
+/// The pictures of a texture.
+#[derive(Clone, Debug)]
+enum Pictures {
+    One(Arc<Texels>),
+    /// By number, ascending; never empty.
+    Tiles(Arc<[Tile]>),
+}
+
+/// A picture, or a UDIM set of them, on a surface.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    pictures: Pictures,
+    mapping: Mapping,
+    decoder: Decoder,
+    /// What tiles show that are not there.
+    absent: Rgb,
+}
+
+impl PartialEq for Texture {
+    fn eq(&self, other: &Texture) -> bool {
+        let same = match (&self.pictures, &other.pictures) {
+            (Pictures::One(a), Pictures::One(b)) => Arc::ptr_eq(a, b) || a == b,
+            (Pictures::Tiles(a), Pictures::Tiles(b)) => Arc::ptr_eq(a, b) || a == b,
+            _ => false,
+        };
+        same && self.mapping == other.mapping && self.absent == other.absent
+    }
+}
+
+impl Texture {
+    /// One picture.
+    pub fn new(texels: Arc<Texels>, mapping: Mapping) -> Texture {
+        let decoder = Decoder::new(mapping.transfer, &texels);
+        Texture { pictures: Pictures::One(texels), mapping, decoder, absent: Rgb::ZERO }
+    }
+
+    /// A UDIM set; tiles that are not there have the value `absent`. All tiles must store their texels alike (the
+    /// others are left out); `None` without tiles.
+    pub fn tiles(mut tiles: Vec<Tile>, mapping: Mapping, absent: Rgb) -> Option<Texture> {
+        tiles.sort_by_key(|tile| tile.0);
+        let first = tiles.first()?.1.clone();
+        tiles.retain(|tile| std::mem::discriminant(tile.1.data()) == std::mem::discriminant(first.data()));
+        let decoder = Decoder::new(mapping.transfer, &first);
+        Some(Texture { pictures: Pictures::Tiles(tiles.into()), mapping, decoder, absent })
+    }
+
+    /// How it is laid over the surface.
+    pub fn mapping(&self) -> &Mapping {
+        &self.mapping
+    }
+
+    /// The first of its pictures.
+    pub fn texels(&self) -> &Texels {
+        match &self.pictures {
+            Pictures::One(texels) => texels,
+            Pictures::Tiles(tiles) => &tiles[0].1,
+        }
+    }
+
+    /// True when a picture has an alpha channel that varies.
+    pub fn has_alpha(&self) -> bool {
+        match &self.pictures {
+            Pictures::One(texels) => texels.has_alpha(),
+            Pictures::Tiles(tiles) => tiles.iter().any(|tile| tile.1.has_alpha()),
+        }
+    }
+
+    /// The same pictures; where no channel was asked for, `channel`.
+    #[must_use]
+    pub fn with_channel(mut self, channel: Channel) -> Texture {
+        self.mapping.channel.get_or_insert(channel);
+        self
+    }
+
+    /// The mean colour of its pictures.
+    pub fn mean(&self) -> Rgb {
+        let mut sum = DVec3::ZERO;
+        let mut count = 0u64;
+        let mut add = |texels: &Texels| {
+            for texel in texels.pixels(self.mapping.transfer) {
+                sum += self.value(texel).as_dvec3();
+                count += 1;
+            }
+        };
+        match &self.pictures {
+            Pictures::One(texels) => add(texels),
+            Pictures::Tiles(tiles) => tiles.iter().for_each(|tile| add(&tile.1)),
+        }
+        (sum / count.max(1) as f64).as_vec3()
+    }
+
+    /// The colour at `uv`; a single channel as grey.
+    pub fn rgb(&self, uv: Vec2) -> Rgb {
+        self.texel(uv).map_or(self.absent, |texel| self.value(texel))
+    }
+
+    fn value(&self, texel: [f32; 4]) -> Rgb {
+        let value = match self.mapping.channel {
+            None => Rgb::new(texel[0], texel[1], texel[2]),
+            Some(channel) => Rgb::splat(one(texel, channel)),
+        };
+        value * self.mapping.gain + self.mapping.base
+    }
+
+    /// The number at `uv`: the mapping's channel, or the first one.
+    pub fn number(&self, uv: Vec2) -> f32 {
+        let Some(texel) = self.texel(uv) else { return self.absent.x };
+        let value = one(texel, self.mapping.channel.unwrap_or(Channel::Red));
+        value * self.mapping.gain.x + self.mapping.base.x
+    }
+
+    /// The filtered texel; `None` in a tile that is not there.
+    fn texel(&self, uv: Vec2) -> Option<[f32; 4]> {
+        let [u, v] = [0, 1].map(|i| uv[i] * self.mapping.scale[i] + self.mapping.offset[i]);
+        match &self.pictures {
+            Pictures::One(texels) => {
+                Some(lookup::lookup(texels, &self.decoder, self.mapping.filter, self.mapping.wrap, [u, v]))
+            }
+            Pictures::Tiles(tiles) => {
+                let (column, row) = (u.floor(), v.floor());
+                if !((0.0..10.0).contains(&column) && (0.0..900.0).contains(&row)) {
+                    return None;
+                }
+                let number = 1001 + column as u32 + 10 * row as u32;
+                let tile = tiles.binary_search_by_key(&number, |tile| tile.0).ok()?;
+                let inside = [u - column, v - row];
+                Some(lookup::lookup(&tiles[tile].1, &self.decoder, self.mapping.filter, Wrap::Clamp, inside))
+            }
+        }
+    }
+}
+
+fn one(texel: [f32; 4], channel: Channel) -> f32 {
+    match channel {
+        Channel::Red => texel[0],
+        Channel::Green => texel[1],
+        Channel::Blue => texel[2],
+        Channel::Alpha => texel[3],
+        Channel::Luminance => luminance(Rgb::new(texel[0], texel[1], texel[2])),
+    }
+}
