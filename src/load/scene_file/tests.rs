@@ -233,7 +233,12 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         ("[materials.x]\ntype = \"difuse\"", 2, 8, &["did you mean \"diffuse\"?"]),
         ("[materials.x]\nreflectance = 1.5", 2, 15, &["from 0 to 1"]),
         ("[materials.x]\nreflectance = [0.5, -0.1, 0]", 2, 21, &["from 0 to 1", "not -0.1"]),
-        ("[materials.x]\nreflectance = { texture = \"a.png\", filtre = 1 }", 2, 36, &["filtre", "\"filter\""]),
+        (
+            "[materials.x]\nreflectance = { texture = \"a.png\", filtre = 1 }",
+            2,
+            36,
+            &["filtre", "\"filter\""],
+        ),
         ("[materials.x]\nreflectance = { texture = \"a.png\", filter = \"nearst\" }", 2, 45, &["nearest"]),
         ("[materials.x]\nreflectance = { texture = 7 }", 2, 27, &["text"]),
         ("[materials.x]\nnormal_map = { textur = \"a.png\" }", 2, 14, &["textur"]),
