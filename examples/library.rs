@@ -5,7 +5,7 @@
 use drt::accel::Intersector;
 use drt::bsdf::fresnel::Reflectance;
 use drt::bsdf::{Bsdf, Conductor, Material};
-use drt::camera::{CameraSpec, Projection};
+use drt::camera::{Aperture, CameraSpec, Projection};
 use drt::error::Result;
 use drt::light::{Environment, Light};
 use drt::math::{DVec3, Rgb};
@@ -53,7 +53,7 @@ fn scene(size: [u32; 2]) -> Scene {
             look_at: DVec3::new(0.0, 0.9, 0.0),
             up: DVec3::Y,
             window: CameraSpec::fov_window(36.0, size),
-            aperture: 0.0,
+            aperture: Aperture::default(),
             focus_distance: 6.0,
         },
     }

@@ -10,13 +10,15 @@
 //! image files ◀──output── Image ◀──film── pixels ◀──render── Integrator (waves of paths)
 //! ```
 //!
-//! `math, error ◀ quadrature, shape ◀ accel ◀ {bsdf, light, camera, sampler, film} ◀ scene ◀ load ◀ integrator ◀ render ◀ cli`
+//! `math, error ◀ quadrature, shape ◀ accel, texture ◀ {bsdf, light, camera, sampler, film} ◀ scene ◀ load ◀ integrator ◀ render ◀ cli`
 //!
 //! | to find … | open |
 //! |---|---|
 //! | what happens at one path vertex | [`integrator`], `path.rs`: about 35 lines in the order of the rendering equation |
 //! | how paths are kept in flight | [`integrator::wave`]: lanes, chunks of 16, compaction; it knows no physics |
 //! | how a hit becomes a point with normals and an error bound | [`shape::Surface`] |
+//! | a picture on a surface: texels, filters, normals from heights | [`texture`]; its files: `load/texture` |
+//! | how rays pass holes in surfaces | [`integrator`], `cutout.rs` |
 //! | a BRDF, a light, a camera, a filter, a sampler | one file each in [`bsdf`], [`light`], [`camera`], [`film`], [`sampler`] |
 //! | who intersects, and who judges | [`accel`]: the trait, Embree, our BVH, the f64 judge |
 //! | how OBJ, MTL and scene files are read | [`load`] |

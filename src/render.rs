@@ -1,11 +1,13 @@
 //! The render loop: tiles × blocks of samples in parallel, pass by pass, with progress and cancellation.
 
 use crate::accel::{BuildOptions, Intersector};
+use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::film::{Develop, Film, Image, PixelRule, Tile};
 pub use crate::integrator::RenderStats;
 use crate::integrator::wave::{Job, Wave};
 use crate::integrator::{Ao, Context, Distribution, Integrator, Normals, Path};
+use crate::light::Light;
 use crate::math::isa::{self, Isa, Kernel};
 use crate::scene::{IntegratorKind, Quantity, Scene, Settings};
 use rayon::prelude::*;
@@ -104,6 +106,40 @@ pub fn render(
             job.render(&Distribution::new(rule, &directions, settings)?)
         }
     }
+}
+
+/// The distance along the viewing axis of what the middle of `pixel` sees through a pinhole, as
+/// [`crate::camera::CameraSpec::focus_distance`] wants it.
+///
+/// # Errors
+/// A pixel outside the picture, a camera without a lens, or nothing to see there.
+pub fn focus(scene: &Scene, settings: &Settings, accel: &dyn Intersector, pixel: [u32; 2]) -> Result<f64> {
+    let [x, y] = pixel;
+    let [width, height] = settings.size;
+    if x >= width || y >= height {
+        return Err(Error::usage(format!(
+            "--focus: pixel {x},{y} is outside the picture of {width}x{height}"
+        )));
+    }
+    let camera = Camera::new(&scene.camera, scene.origin)?;
+    if !camera.has_lens() {
+        return Err(Error::usage("--focus: the camera has no lens, so everything is in focus")
+            .advise("give a perspective camera an aperture, e.g. --set camera.aperture=0.05"));
+    }
+    let place = |i: u32, n: u32| ((f64::from(i) + 0.5) / f64::from(n)) as f32;
+    let ray = camera.clone().pinhole().ray(place(x, width), place(y, height), [0.5; 2]);
+    let hit = accel.closest_one(ray.o, ray.d, 0.0, f32::INFINITY).map(|hit| hit.t);
+    let lamps = scene.lights.iter().filter_map(|light| match light {
+        Light::Sphere(s) => s.intersect(ray.o, ray.d, 0.0, f32::INFINITY),
+        _ => None,
+    });
+    let nearest = lamps.chain(hit).fold(f32::INFINITY, f32::min);
+    let depth = camera.depth(ray.d, nearest);
+    if !(depth > 0.0 && depth.is_finite()) {
+        return Err(Error::usage(format!("--focus: pixel {x},{y} sees nothing to focus on"))
+            .advise("choose a pixel on a surface"));
+    }
+    Ok(depth)
 }
 
 struct Picture<'a> {

@@ -1,7 +1,7 @@
 //! What is traced: named scenes, or files.
 
 use crate::record::Random;
-use drt::camera::{Camera, CameraSpec, Projection};
+use drt::camera::{Aperture, Camera, CameraSpec, Projection};
 use drt::error::{Error, Result};
 use drt::load;
 use drt::math::{Aabb, DVec3, Vec3};
@@ -34,7 +34,7 @@ impl Scene {
             look_at: look_at.as_dvec3(),
             up: DVec3::Y,
             window: CameraSpec::fov_window(fov, [1, 1]),
-            aperture: 0.0,
+            aperture: Aperture::default(),
             focus_distance: 1.0,
         };
         Ok(Scene {

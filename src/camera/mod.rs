@@ -5,8 +5,12 @@
 //! [bottom, top] at distance f in front of the eye, through which eq. (5)'s directions pass. Pixel (0, 0) is
 //! the top left one.
 
+mod lens;
 mod orthographic;
+mod panorama;
 mod perspective;
+
+pub use lens::Aperture;
 
 use crate::error::{Error, Result};
 use crate::math::{DVec3, Vec3};
@@ -42,6 +46,8 @@ pub enum Projection {
     Perspective,
     /// Parallel rays; the window is in metres.
     Orthographic,
+    /// All directions from one point; there is no window.
+    Panorama,
 }
 
 impl Projection {
@@ -49,13 +55,14 @@ impl Projection {
     pub const NAMES: &'static [(&'static str, &'static str)] = &[
         ("perspective", "rays from one point, or from a lens, through the image plane"),
         ("orthographic", "parallel rays; `height` is the picture's height in metres"),
+        ("panorama", "all directions from one point, as an equirectangular map"),
     ];
 }
 
 /// A camera as a scene file describes it: plain data in the file's own coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraSpec {
-    /// Perspective or orthographic.
+    /// How points of the image become rays.
     pub projection: Projection,
     /// The eye.
     pub position: DVec3,
@@ -65,8 +72,8 @@ pub struct CameraSpec {
     pub up: DVec3,
     /// The window for a picture of `size` pixels.
     pub window: Window,
-    /// Lens radius in metres; 0 is a pinhole.
-    pub aperture: f64,
+    /// The opening of the lens.
+    pub aperture: Aperture,
     /// Distance of the plane in focus along the viewing axis, in metres.
     pub focus_distance: f64,
 }
@@ -98,7 +105,7 @@ pub struct Camera {
     forward: Vec3,
     window: [f32; 4],
     distance: f32,
-    aperture: f32,
+    aperture: Aperture,
     focus_distance: f32,
 }
 
@@ -149,7 +156,7 @@ impl Camera {
             forward: forward.as_vec3(),
             window: [w.left as f32, w.right as f32, w.top as f32, w.bottom as f32],
             distance: w.distance as f32,
-            aperture: spec.aperture as f32,
+            aperture: spec.aperture,
             focus_distance: spec.focus_distance as f32,
         })
     }
@@ -163,12 +170,25 @@ impl Camera {
         match self.projection {
             Projection::Perspective => self.perspective_ray(alpha, beta, lens),
             Projection::Orthographic => self.orthographic_ray(alpha, beta),
+            Projection::Panorama => self.panorama_ray(x, y),
         }
+    }
+
+    /// The distance along the viewing axis of what lies at `t` on a ray along the unit direction `d`.
+    pub fn depth(&self, d: Vec3, t: f32) -> f64 {
+        f64::from(t) * d.as_dvec3().dot(self.forward.as_dvec3())
+    }
+
+    /// The same camera as a pinhole.
+    #[must_use]
+    pub fn pinhole(mut self) -> Camera {
+        self.aperture.radius = 0.0;
+        self
     }
 
     /// True when rays depend on the lens sample.
     pub fn has_lens(&self) -> bool {
-        self.aperture > 0.0 && self.projection == Projection::Perspective
+        self.aperture.radius > 0.0 && self.projection == Projection::Perspective
     }
 }
 

@@ -1,7 +1,6 @@
 //! The perspective camera: a pinhole, or a thin lens.
 
 use super::{Camera, CameraRay};
-use crate::math::warp::disk;
 
 impl Camera {
     /// The notes' eq. (5), d = (p − e)/‖p − e‖, with p = (α, β, f) in camera coordinates. Rays start at the
@@ -10,10 +9,10 @@ impl Camera {
     #[inline(always)]
     pub(super) fn perspective_ray(&self, alpha: f32, beta: f32, lens: [f32; 2]) -> CameraRay {
         let p = self.right * alpha + self.up * beta + self.forward * self.distance;
-        if self.aperture <= 0.0 {
+        if self.aperture.radius <= 0.0 {
             return CameraRay { o: self.eye, d: p.normalize() };
         }
-        let on_lens = disk(lens) * self.aperture;
+        let on_lens = self.aperture.point(lens);
         let shift = self.right * on_lens.x + self.up * on_lens.y;
         let in_focus = p * (self.focus_distance / self.distance);
         CameraRay { o: self.eye + shift, d: (in_focus - shift).normalize() }

@@ -7,7 +7,7 @@ fn spec(projection: Projection, window: Window) -> CameraSpec {
         look_at: DVec3::new(0.0, 1.0, 0.0),
         up: DVec3::Y,
         window,
-        aperture: 0.0,
+        aperture: Aperture::default(),
         focus_distance: 5.0,
     }
 }
@@ -35,7 +35,7 @@ fn the_vertical_field_of_view_is_between_the_borders() {
 fn lens_rays_meet_in_the_plane_of_focus() {
     let window = CameraSpec::fov_window(40.0, [300, 200]);
     let mut spec = spec(Projection::Perspective, window);
-    (spec.aperture, spec.focus_distance) = (0.2, 3.0);
+    (spec.aperture, spec.focus_distance) = (Aperture::disk(0.2), 3.0);
     let camera = Camera::new(&spec, DVec3::new(0.0, 1.0, 0.0)).unwrap();
     let meet = |lens| {
         let ray = camera.ray(0.3, 0.7, lens);
@@ -43,6 +43,24 @@ fn lens_rays_meet_in_the_plane_of_focus() {
     };
     assert!((meet([0.1, 0.2]) - meet([0.9, 0.6])).length() < 1e-5);
     assert!((camera.ray(0.3, 0.7, [0.0, 0.5]).o - camera.eye).length() > 0.19);
+}
+
+/// The same places as an environment map's, for a camera that looks along +z.
+#[test]
+fn panoramas_are_environment_maps() {
+    let window = CameraSpec::fov_window(40.0, [300, 200]);
+    let mut spec = spec(Projection::Panorama, window);
+    spec.look_at = spec.position + DVec3::Z;
+    let camera = Camera::new(&spec, DVec3::ZERO).unwrap();
+    for i in 0..1000 {
+        let (x, y) = ((i as f32 + 0.5) / 1000.0, (i as f32 * 0.618_034).fract());
+        let d = camera.ray(x, y, [0.5; 2]).d;
+        let u = libm::atan2f(d.x, -d.z) / std::f32::consts::TAU;
+        let sin = (std::f32::consts::PI * y).sin();
+        assert!(((u - x).rem_euclid(1.0) * sin).min((x - u).rem_euclid(1.0) * sin) < 1e-6, "{x} {u}");
+        assert!((libm::acosf(d.y) / std::f32::consts::PI - y).abs() < 1e-3, "{y}");
+    }
+    assert!((camera.ray(0.75, 0.5, [0.5; 2]).d - camera.right).length() < 1e-6, "the right is on the right");
 }
 
 #[test]

@@ -156,9 +156,13 @@ pub struct RenderArgs {
     #[arg(long, help_heading = "View of a mesh")]
     pub ground: bool,
 
-    /// The light from all around: studio (default for a mesh), white, overcast, none
-    #[arg(long, value_name = "NAME", help_heading = "View of a mesh")]
+    /// The light from all around: studio (default for a mesh), white, overcast, none, or a picture (.exr, .hdr)
+    #[arg(long, value_name = "NAME|FILE", help_heading = "View of a mesh")]
     pub sky: Option<String>,
+
+    /// Focus the lens (camera.aperture) on what the middle of this pixel sees
+    #[arg(long, value_name = "X,Y", help_heading = "View of a mesh", allow_hyphen_values = true)]
+    pub focus: Option<String>,
 
     /// Threads, 1 to 1024 (all by default); the picture does not depend on it
     #[arg(long, value_name = "N", help_heading = "Machine", allow_negative_numbers = true)]
@@ -254,7 +258,7 @@ pub fn bytes(flag: &str, word: &str) -> Result<u64> {
     let upper = word.trim().to_uppercase();
     let short = upper.strip_suffix("IB").or_else(|| upper.strip_suffix('B')).unwrap_or(&upper);
     let (number, power) = match short.char_indices().last() {
-        Some((end, unit)) if unit.is_ascii_alphabetic() => ((&short[..end]).trim(), "KMGT".find(unit)),
+        Some((end, unit)) if unit.is_ascii_alphabetic() => (short[..end].trim(), "KMGT".find(unit)),
         _ => (short.trim(), Some(usize::MAX)),
     };
     let factor = power.map(|power| 1024f64.powi(power.wrapping_add(1) as i32));

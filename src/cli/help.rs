@@ -13,6 +13,7 @@ use drt::math::isa::Isa;
 use drt::output::{FORMATS, ToneMap};
 use drt::quadrature::hemisphere::{HemisphereRule, Measure};
 use drt::scene::{IntegratorKind, LightSampling, Quantity, SamplerKind};
+use drt::texture;
 use std::fmt::Write;
 
 /// Below the short help.
@@ -58,7 +59,9 @@ A SCENE FILE
   [materials.gold]
   type = \"conductor\"
   metal = \"gold\"
-  roughness = 0.3
+  roughness = 0.3               # any number or colour may be a picture:
+  # roughness = { texture = \"rust.png\", filter = \"nearest\", wrap = \"clamp\", scale = [2, 2], channel = \"g\" }
+  # of every material: opacity, emission, normal_map = { texture = … }, bump = { texture = …, height = 0.01 }
 
   [[light]]
   type = \"environment\"
@@ -92,6 +95,8 @@ pub fn topics() -> String {
     list("measure of its random directions", &mut Measure::TABLE.iter().map(|r| (r.0, r.1)));
     list("camera", &mut Projection::NAMES.iter().copied());
     list("material", &mut Bsdf::NAMES.iter().copied().chain([Mix::NAME]));
+    list("texture filter", &mut texture::Filter::TABLE.iter().map(|r| (r.0, r.1)));
+    list("texture wrap", &mut texture::Wrap::TABLE.iter().map(|r| (r.0, r.1)));
     list("light", &mut Light::NAMES.iter().copied());
     list("sky", &mut Sky::TABLE.iter().map(|r| (r.0, r.1)));
     list("view", &mut View::TABLE.iter().map(|r| (r.0, r.1)));

@@ -9,7 +9,8 @@ use super::progress::{Phase, Style, duration};
 use super::signals::Signals;
 use super::stats::{Clock, Report};
 use drt::error::{Error, Findings, Result, Severity, show_path, unknown_word_advice};
-use drt::load::auto::{Sky, Up, View};
+use drt::load::auto::{Up, View};
+use drt::load::sky::SkySource;
 use drt::load::{self, Loaded};
 use drt::math::isa::Isa;
 use drt::output::{self, ToneMap};
@@ -25,6 +26,7 @@ struct Job {
     display: output::Options,
     isa: Option<Isa>,
     threads: usize,
+    focus: Option<[u32; 2]>,
     style: Style,
     console: Console,
 }
@@ -59,6 +61,7 @@ impl Job {
             display: output::Options { exposure, tone_map },
             isa: args.isa.as_deref().map(|word| at_flag("--isa", Isa::from_name(word))).transpose()?,
             threads: args.threads.as_deref().map_or_else(|| Ok(machine::threads()), threads)?,
+            focus: args.focus.as_deref().map(focus).transpose()?,
             style: if verbosity == Verbosity::Quiet { Style::None } else { style },
             console: Console { verbosity },
             input,
@@ -75,7 +78,7 @@ impl Job {
             },
             None => Failure::Error(error),
         };
-        let loaded = self.load(signals).map_err(|e| ended_early("loading", e))?;
+        let mut loaded = self.load(signals).map_err(|e| ended_early("loading", e))?;
         self.judge(&loaded)?;
         let seconds = clock.end("load");
         let (scene, settings) = (&loaded.scene, &loaded.settings);
@@ -109,6 +112,12 @@ impl Job {
             duration(seconds)
         ));
 
+        if let Some(pixel) = self.focus {
+            let distance = render::focus(scene, settings, &*accel, pixel)?;
+            console.detail(&format!("focused at {distance} m"));
+            loaded.scene.camera.focus_distance = distance;
+        }
+        let (scene, settings) = (&loaded.scene, &loaded.settings);
         let phase = Phase::begin(self.style, "render");
         let progress = |p| {
             if let Progress::Render(done, total) = p {
@@ -172,7 +181,11 @@ impl Job {
                     .map(|word| at_flag("--view", View::from_name(word)))
                     .transpose()?,
                 ground: args.ground,
-                sky: args.sky.as_deref().map(|word| at_flag("--sky", Sky::from_name(word))).transpose()?,
+                sky: args
+                    .sky
+                    .as_deref()
+                    .map(|word| at_flag("--sky", SkySource::from_word(word)))
+                    .transpose()?,
                 max_texture_bytes: args
                     .max_texture_bytes
                     .as_deref()
@@ -255,6 +268,14 @@ pub fn threads(word: &str) -> Result<usize> {
     number.ok_or_else(|| {
         Error::usage(format!("--threads: must be a whole number from 1 to 1024, not \"{word}\""))
     })
+}
+
+fn focus(word: &str) -> Result<[u32; 2]> {
+    let numbers: Vec<Option<u32>> = word.split(',').map(|w| w.trim().parse().ok()).collect();
+    match numbers.as_slice() {
+        [Some(x), Some(y)] => Ok([*x, *y]),
+        _ => Err(Error::usage(format!("--focus {word}: not of the form X,Y, a pixel, e.g. 320,240"))),
+    }
 }
 
 fn exposure(word: &str) -> Result<f32> {

@@ -53,17 +53,15 @@ impl<'a> Context<'a> {
         let emission = |m: &Material| Emission {
             radiance: m.emission,
             two_sided: m.two_sided,
-            texture: m.maps.as_ref().and_then(|maps| maps.emission.clone()),
-            opacity: m.maps.as_ref().and_then(|maps| maps.opacity.clone()),
+            texture: m.maps.as_ref().and_then(|maps| maps.emission.clone()).map(Box::new),
+            opacity: m.maps.as_ref().and_then(|maps| maps.opacity.clone()).map(Box::new),
         };
-        let bounds = scene.bounds();
         let lights = Lights::new(
             &scene.meshes,
             scene.materials.iter().map(emission).collect(),
             &scene.lights,
-            0.5 * bounds.extent().length(),
             Sampled {
-                any_environment: settings.lights == LightSampling::Light,
+                alone: settings.lights == LightSampling::Light,
                 deltas: !matches!(settings.integrator, IntegratorKind::Distribution { .. }),
             },
         );
@@ -82,7 +80,11 @@ impl<'a> Context<'a> {
         Ok(Context {
             meshes: &scene.meshes,
             materials: &scene.materials,
-            dimensions: Dimensions::new(camera.has_lens(), has_lobes, samples_lights),
+            dimensions: Dimensions::new(
+                camera.has_lens(),
+                has_lobes,
+                samples_lights.then(|| lights.has_choice()),
+            ),
             lights,
             camera,
             pixel: PixelPoints::new(settings.rule, FilterSampler::new(settings.filter))?,
@@ -155,9 +157,11 @@ impl Dimensions {
     /// Whose part of a mixture is met; the place among them is hashed.
     const MIX: u32 = 1 << 29;
 
-    fn new(lens: bool, lobes: bool, lights: bool) -> Dimensions {
+    /// `lights`: whether they are sampled, and then whether there is a choice among them.
+    fn new(lens: bool, lobes: bool, lights: Option<bool>) -> Dimensions {
         let lobes = u32::from(lobes);
-        Dimensions { first: if lens { 4 } else { 2 }, stride: 2 + lobes + if lights { 3 } else { 0 }, lobes }
+        let lights = lights.map_or(0, |choice| 2 + u32::from(choice));
+        Dimensions { first: if lens { 4 } else { 2 }, stride: 2 + lobes + lights, lobes }
     }
 
     /// The dimensions of the vertex that is reached after `depth` scattering events.

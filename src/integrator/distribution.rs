@@ -13,7 +13,7 @@ use super::{Arrival, Context, Extension, Integrator, Sink, Vertex};
 use super::{competing_pdf, connect, emitted, emitted_at_end};
 use crate::bsdf::Scatter;
 use crate::error::Result;
-use crate::light::End;
+use crate::light::{End, Receiver};
 use crate::math::ray::leave;
 use crate::math::{Rgb, Vec3};
 use crate::quadrature::hemisphere::{Fan, HemisphereRule};
@@ -134,6 +134,7 @@ fn shade<B: Scatter>(
         d: wi,
         beta: v.arrival.beta * f_cos * solid_angle,
         pdf: f32::INFINITY,
+        normal: Receiver::ALL_AROUND,
         branch,
     });
 }
@@ -160,7 +161,8 @@ impl Distribution {
             if v.on_the_same_side_as(delta.wi, d) {
                 let o = leave(v.surface.p, v.surface.error, v.surface.ng, d);
                 let beta = v.arrival.beta * delta.weight;
-                out.extend(Extension { o, d, beta, pdf: f32::INFINITY, branch });
+                let normal = Receiver::ALL_AROUND;
+                out.extend(Extension { o, d, beta, pdf: f32::INFINITY, normal, branch });
             }
         }
     }
@@ -180,10 +182,13 @@ impl Distribution {
         let depth = v.arrival.depth;
         let share = 1.0 / self.fan(depth).count() as f32;
         let dimensions = cx.dimensions.at(depth);
+        let mut normal = Receiver::ALL_AROUND;
         if cx.samples_lights {
-            let choice = self.numbers.bits(key, dimensions.choice);
-            if let Some(light) = cx.lights.sample(&v.surface, choice, self.numbers.d2(key, dimensions.light))
-            {
+            let (from, packed) = cx.lights.receiver(&v.surface, v.wo, bsdf.transmits());
+            normal = packed;
+            let choice = if cx.lights.has_choice() { self.numbers.bits(key, dimensions.choice) } else { 0 };
+            let u = self.numbers.d2(key, dimensions.light);
+            if let Some(light) = cx.lights.sample(&v.surface, &from, choice, u) {
                 connect(self.lights, v, bsdf, &light, share, out);
             }
         }
@@ -200,6 +205,6 @@ impl Distribution {
         }
         let o = leave(v.surface.p, v.surface.error, v.surface.ng, d);
         let beta: Rgb = v.arrival.beta * sample.weight * share;
-        out.extend(Extension { o, d, beta, pdf, branch });
+        out.extend(Extension { o, d, beta, pdf, normal, branch });
     }
 }

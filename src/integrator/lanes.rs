@@ -1,5 +1,6 @@
 //! Rays under way with what their paths carry: structure of arrays, in chunks of [`LANES`].
 
+use super::Extension;
 use crate::accel::{LANES, Mask, Rays};
 use crate::math::Rgb;
 use crate::math::ray::Ray;
@@ -9,13 +10,19 @@ use crate::math::ray::Ray;
 pub(super) struct Paths {
     beta: [[f32; LANES]; 3],
     pub pdf: [f32; LANES],
+    pub normal: [u32; LANES],
     pub slot: [u32; LANES],
     pub branch: [u32; LANES],
 }
 
 impl Paths {
-    const EMPTY: Paths =
-        Paths { beta: [[0.0; LANES]; 3], pdf: [0.0; LANES], slot: [0; LANES], branch: [0; LANES] };
+    const EMPTY: Paths = Paths {
+        beta: [[0.0; LANES]; 3],
+        pdf: [0.0; LANES],
+        normal: [0; LANES],
+        slot: [0; LANES],
+        branch: [0; LANES],
+    };
 }
 
 /// Rays with what they carry, in chunks; all of one depth.
@@ -27,8 +34,9 @@ pub(super) struct Lanes {
 }
 
 impl Lanes {
+    /// A ray whose path ends with it.
     #[inline(always)]
-    pub fn push(&mut self, ray: Ray, beta: Rgb, pdf: f32, slot: u32, branch: u32) {
+    pub fn push(&mut self, ray: Ray, beta: Rgb, slot: u32) {
         let (chunk, lane) = (self.len / LANES, self.len % LANES);
         if chunk == self.rays.len() {
             self.rays.push(Rays::default());
@@ -37,10 +45,19 @@ impl Lanes {
         self.rays[chunk].set(lane, ray.o, ray.d, 0.0, ray.tmax);
         let path = &mut self.paths[chunk];
         (path.beta[0][lane], path.beta[1][lane], path.beta[2][lane]) = (beta.x, beta.y, beta.z);
-        path.pdf[lane] = pdf;
         path.slot[lane] = slot;
-        path.branch[lane] = branch;
         self.len += 1;
+    }
+
+    /// A ray to follow, with all that its path carries.
+    #[inline(always)]
+    pub fn follow(&mut self, next: Extension, slot: u32) {
+        let (chunk, lane) = (self.len / LANES, self.len % LANES);
+        self.push(Ray { o: next.o, d: next.d, tmax: f32::INFINITY }, next.beta, slot);
+        let path = &mut self.paths[chunk];
+        path.pdf[lane] = next.pdf;
+        path.normal[lane] = next.normal;
+        path.branch[lane] = next.branch;
     }
 
     /// Takes the last lanes in whole chunks, at most `most` of them, leaving the rest.

@@ -26,7 +26,7 @@ pub use path::Path;
 pub use stats::RenderStats;
 
 use crate::bsdf::{Scatter, View};
-use crate::light::{End, LightSample};
+use crate::light::{End, LightSample, Receiver};
 use crate::math::ray::Ray;
 use crate::math::{Frame, Rgb, Vec3, mis};
 use crate::sampler::Key;
@@ -44,8 +44,12 @@ pub struct Vertex {
     pub wo: Vec3,
     /// The same in `frame`, and the side.
     pub view: View,
-    /// Length of the ray that led here.
+    /// Origin of the ray that led here.
+    pub origin: Vec3,
+    /// Its length.
     pub t: f32,
+    /// Mesh and triangle.
+    pub ids: [u32; 2],
     /// Material id.
     pub material: u32,
     /// The material that scatters: the same, or a part of it where it is a mixture.
@@ -72,6 +76,8 @@ pub struct Arrival {
     pub beta: Rgb,
     /// Density of the ray's direction per solid angle.
     pub pdf: f32,
+    /// Normal of where the ray started, packed; see [`Receiver`].
+    pub normal: u32,
     /// Scattering events so far.
     pub depth: u32,
     /// Which of the branches into which the sample has split by now; 0 where nothing splits.
@@ -103,6 +109,8 @@ pub struct Extension {
     pub beta: Rgb,
     /// Density of the direction per solid angle, infinite where no other technique competes.
     pub pdf: f32,
+    /// See [`Arrival::normal`].
+    pub normal: u32,
     /// See [`Arrival::branch`].
     pub branch: u32,
 }
@@ -127,17 +135,21 @@ pub trait Integrator: Sync {
 #[inline(always)]
 fn emitted(cx: &Context<'_>, v: &Vertex, out: &mut impl Sink) {
     let le = cx.lights.emitted(v.material, &v.surface, v.wo);
-    if le != Rgb::ZERO {
-        let pdf = cx.lights.pdf_of_hit(v.material, &v.surface, v.wo, v.t);
-        out.emit(v.arrival.beta * le * mis::power(v.arrival.pdf, pdf));
+    if le == Rgb::ZERO {
+        return;
     }
+    let competes = v.arrival.pdf > 0.0 && v.arrival.pdf < f32::INFINITY;
+    let from = Receiver::new(v.origin, v.arrival.normal);
+    let pdf = if competes { cx.lights.pdf_of_hit(&from, v.ids, &v.surface, v.wo, v.t) } else { 1.0 };
+    out.emit(v.arrival.beta * le * mis::power(v.arrival.pdf, pdf));
 }
 
 /// The same for light that comes from no mesh.
 #[inline(always)]
 fn emitted_at_end(cx: &Context<'_>, end: End, o: Vec3, d: Vec3, arrival: &Arrival, out: &mut impl Sink) {
-    let (le, light_pdf) = cx.lights.at_end(end, o, d);
-    out.emit(arrival.beta * le * mis::power(arrival.pdf, light_pdf));
+    cx.lights.at_end(end, o, d, arrival.normal, |le, pdf| {
+        out.emit(arrival.beta * le * mis::power(arrival.pdf, pdf));
+    });
 }
 
 /// One light sample of density `pdf`, weighted against the chance that BSDF sampling finds the same.

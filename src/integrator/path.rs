@@ -3,7 +3,7 @@
 use super::{Arrival, Context, Extension, Integrator, Sink, Vertex};
 use super::{competing_pdf, connect, emitted, emitted_at_end};
 use crate::bsdf::Scatter;
-use crate::light::End;
+use crate::light::{End, Receiver};
 use crate::math::Vec3;
 use crate::math::ray::leave;
 use crate::scene::LightSampling;
@@ -36,10 +36,13 @@ impl Integrator for Path {
         }
         let dimensions = cx.dimensions.at(depth);
         let light_sampled = cx.samples_lights && !bsdf.is_delta();
+        let mut normal = Receiver::ALL_AROUND;
         if light_sampled {
-            let choice = cx.sampler.bits(key, dimensions.choice);
+            let (from, packed) = cx.lights.receiver(&v.surface, v.wo, bsdf.transmits());
+            normal = packed;
+            let choice = if cx.lights.has_choice() { cx.sampler.bits(key, dimensions.choice) } else { 0 };
             let u = cx.sampler.d2(key, dimensions.light);
-            if let Some(light) = cx.lights.sample(&v.surface, choice, u) {
+            if let Some(light) = cx.lights.sample(&v.surface, &from, choice, u) {
                 connect(self.lights, v, bsdf, &light, 1.0, out);
             }
         }
@@ -67,7 +70,7 @@ impl Integrator for Path {
             return; // the next vertex could only emit, and that has been counted
         }
         let o = leave(v.surface.p, v.surface.error, v.surface.ng, wi);
-        out.extend(Extension { o, d: wi, beta, pdf, branch: 0 });
+        out.extend(Extension { o, d: wi, beta, pdf, normal, branch: 0 });
     }
 
     #[inline(always)]

@@ -12,7 +12,7 @@ use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, for_lanes
 use crate::bsdf::{Bsdf, Material, Scatter, View};
 use crate::film::rule::{Numbers, PixelPoint};
 use crate::film::{Film, FirstHit, Tile};
-use crate::light::{End, Sphere, sphere};
+use crate::light::{End, Receiver, Sphere, sphere};
 use crate::math::ray::Ray;
 use crate::math::{DVec3, Rgb, Vec2, Vec3};
 use crate::sampler::Key;
@@ -52,13 +52,12 @@ impl Sink for PathSink<'_> {
 
     #[inline(always)]
     fn connect(&mut self, shadow: Ray, radiance: Rgb) {
-        self.pushed.shadows.push(shadow, radiance, 0.0, self.slot, 0);
+        self.pushed.shadows.push(shadow, radiance, self.slot);
     }
 
     #[inline(always)]
     fn extend(&mut self, next: Extension) {
-        let ray = Ray { o: next.o, d: next.d, tmax: f32::INFINITY };
-        self.pushed.next.push(ray, next.beta, next.pdf, self.slot, next.branch);
+        self.pushed.next.follow(next, self.slot);
     }
 }
 
@@ -169,7 +168,9 @@ impl Wave {
             for index in job.samples.clone() {
                 let key = cx.sampler.key(y * cx.size[0] + x, index);
                 let (ray, weight) = camera_ray(cx, x, y, key);
-                next.push(ray, Rgb::ONE, f32::INFINITY, slots.len() as u32, 0);
+                let (pdf, normal) = (f32::INFINITY, Receiver::ALL_AROUND);
+                let first = Extension { o: ray.o, d: ray.d, beta: Rgb::ONE, pdf, normal, branch: 0 };
+                next.follow(first, slots.len() as u32);
                 slots.push(Slot { key, pixel, weight, radiance: DVec3::ZERO });
             }
         }
@@ -307,7 +308,8 @@ impl Wave {
         let slot = path.slot[lane];
         let key = self.pushed.slots[slot as usize].key;
         let (beta, branch) = (self.current.beta(chunk, lane), path.branch[lane]);
-        (Arrival { beta, pdf: path.pdf[lane], depth, branch, key }, slot)
+        let (pdf, normal) = (path.pdf[lane], path.normal[lane]);
+        (Arrival { beta, pdf, normal, depth, branch, key }, slot)
     }
 
     /// The vertex at a lane's hit, with the ids of mesh, triangle and material.
@@ -317,7 +319,8 @@ impl Wave {
         let (id, triangle) = (hits.mesh[lane], hits.triangle[lane]);
         let mesh = &cx.meshes[id as usize];
         let mut surface = Surface::new(mesh, triangle, hits.u[lane], hits.v[lane]);
-        let wo = -self.current.rays[chunk].d(lane);
+        let rays = &self.current.rays[chunk];
+        let (origin, wo) = (rays.o(lane), -rays.d(lane));
         let material = mesh.materials.get(triangle as usize);
         let part = cx.part(material, arrival.key, arrival.depth, arrival.branch);
         if let Some(maps) = &cx.materials[part as usize].maps {
@@ -325,10 +328,9 @@ impl Wave {
         }
         let frame = surface.frame_towards(wo);
         let view = View { wo: frame.to_local(wo), outside: surface.ng.dot(wo) > 0.0 };
-        (
-            Vertex { surface, frame, wo, view, t: hits.t[lane], material, part, arrival },
-            [id, triangle, material],
-        )
+        let (t, ids) = (hits.t[lane], [id, triangle]);
+        let v = Vertex { surface, frame, wo, view, origin, t, ids, material, part, arrival };
+        (v, [id, triangle, material])
     }
 
     /// Traces the shadow rays; what is free reaches its sample.

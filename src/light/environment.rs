@@ -1,12 +1,14 @@
 //! Light from infinitely far away.
 
+use super::Panorama;
 use crate::math::approx::sin_cos_turn;
 use crate::math::warp::{SPHERE_PDF, sphere};
 use crate::math::{Frame, Rgb, Vec3};
 use std::f32::consts::TAU;
+use std::sync::Arc;
 
 /// Radiance as a function of direction alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Environment {
     /// The same from everywhere.
     Constant(Rgb),
@@ -28,6 +30,8 @@ pub enum Environment {
         /// How narrow the key light is: 0 is everywhere, 20 some 15 degrees.
         sharpness: f32,
     },
+    /// A map of all directions.
+    Panorama(Arc<Panorama>),
 }
 
 /// Share of the studio's samples that go to the key light; the rest is uniform.
@@ -47,18 +51,24 @@ impl Environment {
                 let lobe = libm::expf(sharpness * (d.dot(*direction) - 1.0));
                 *horizon * (1.0 - t) + *end * t + *key * lobe
             }
+            Environment::Panorama(map) => map.le(d),
         }
     }
 
-    /// True when light samples find what BSDF samples would miss; a constant environment is found as well
-    /// by the BSDF alone, without shadow rays.
-    pub fn deserves_samples(&self) -> bool {
-        !matches!(self, Environment::Constant(_))
+    /// True when light samples find what BSDF samples would miss; a constant environment is found as well by the BSDF
+    /// alone, without shadow rays. Not `compensated`: no BSDF samples are there to find it.
+    pub fn deserves_samples(&self, compensated: bool) -> bool {
+        match self {
+            Environment::Constant(_) => !compensated,
+            Environment::Studio { .. } => true,
+            Environment::Panorama(map) => map.has_density(compensated),
+        }
     }
 
-    /// A direction by importance and its density per solid angle.
+    /// A direction by importance, its density per solid angle and the radiance from there; `compensated`: see
+    /// [`Panorama`]. `None` where nothing shines.
     #[inline(always)]
-    pub fn sample(&self, u: [f32; 2]) -> (Vec3, f32) {
+    pub fn sample(&self, compensated: bool, u: [f32; 2]) -> Option<(Vec3, f32, Rgb)> {
         let wi = match self {
             Environment::Constant(_) => sphere(u),
             Environment::Studio { direction, sharpness, .. } => {
@@ -68,23 +78,30 @@ impl Environment {
                     sphere([(u[0] - KEY_SHARE) / (1.0 - KEY_SHARE), u[1]])
                 }
             }
+            Environment::Panorama(map) => return map.sample(compensated, u),
         };
-        (wi, self.pdf(wi))
+        Some((wi, self.pdf(compensated, wi), self.le(wi)))
     }
 
     /// Density of [`Environment::sample`] per solid angle.
     #[inline(always)]
-    pub fn pdf(&self, wi: Vec3) -> f32 {
+    pub fn pdf(&self, compensated: bool, wi: Vec3) -> f32 {
         match self {
             Environment::Constant(_) => SPHERE_PDF,
             Environment::Studio { direction, sharpness, .. } => {
                 KEY_SHARE * lobe_pdf(wi.dot(*direction), *sharpness) + (1.0 - KEY_SHARE) * SPHERE_PDF
             }
+            Environment::Panorama(map) => map.pdf(compensated, wi),
         }
     }
 
     /// Average radiance over the sphere, for choosing among lights.
     pub fn average(&self) -> Rgb {
+        match self {
+            Environment::Constant(radiance) => return *radiance,
+            Environment::Panorama(map) => return map.mean(),
+            Environment::Studio { .. } => {}
+        }
         let n = 64;
         let at = |i: usize| (i % n, i / n);
         let cell = |(i, j): (usize, usize)| {
@@ -93,9 +110,10 @@ impl Environment {
         (0..n * n).map(|i| cell(at(i))).sum::<Rgb>() / (n * n) as f32
     }
 
-    /// The same light seen from a scene of `scale` times the radiance.
+    /// The same light at `scale` times the radiance; maps are scaled when they are made.
     pub fn scaled(self, scale: f32) -> Environment {
         match self {
+            Environment::Panorama(map) => Environment::Panorama(map),
             Environment::Constant(radiance) => Environment::Constant(radiance * scale),
             Environment::Studio { below, horizon, zenith, up, direction, key, sharpness } => {
                 Environment::Studio {

@@ -1,12 +1,18 @@
-//! All lights of a scene, chosen by power.
+//! All lights of a scene: one is chosen by what it can mean to the point that is lit, then a direction to it.
+//!
+//! Lights with a place (emissive triangles, points, spots, spheres) are in a [`LightTree`]; what is infinitely far away is
+//! in a short list ([`distant`](super::distant)). Every choice has a probability that can be asked for from the other end,
+//! when a ray meets a light by itself.
 
-use super::{Directional, Environment, Light, Point, Sphere};
-use crate::math::distribution::AliasTable;
+use super::bounds::{Cone, LightBounds};
+use super::distant::{Distant, Distants};
+use super::patch::Patch;
+use super::tree::LightTree;
+use super::{Directional, Environment, Light, LightSample, Point, Receiver, Sphere, Spot, Sun, reach};
 use crate::math::ray::{Ray, leave};
-use crate::math::{Rgb, Vec2, Vec3, luminance, warp};
+use crate::math::{Aabb, Rgb, Vec2, Vec3, luminance, warp};
 use crate::shape::{Mesh, Surface};
 use crate::texture::{Opacity, Texture};
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// What a material emits.
@@ -17,9 +23,9 @@ pub struct Emission {
     /// True: from both sides; false: from the side `ng` points to.
     pub two_sided: bool,
     /// Radiance as a picture.
-    pub texture: Option<Texture>,
+    pub texture: Option<Box<Texture>>,
     /// Where the surface is there. A ray that meets a hole goes on; a light sample must count what is there.
-    pub opacity: Option<Opacity>,
+    pub opacity: Option<Box<Opacity>>,
 }
 
 impl Emission {
@@ -34,40 +40,42 @@ impl Emission {
 
     /// Radiance above this is cut, as the scene file does.
     const LARGEST: f32 = 1e12;
+
+    /// True when points of one triangle send different light, or none.
+    #[inline(always)]
+    fn varies(&self) -> bool {
+        self.texture.is_some() || self.opacity.is_some()
+    }
+
+    /// Luminance by which triangle `t` of a mesh is chosen: of a picture its mean over the triangle, from a few points.
+    /// They may miss what shines, so it never falls below a share of the whole picture's.
+    fn luminance_over(&self, mesh: &Mesh, t: usize) -> f32 {
+        const SIDE: u16 = 4;
+        const LEAST: f32 = 0.05;
+        let whole = luminance(self.radiance);
+        let (Some(_), Some([a, b, c])) = (&self.texture, mesh.triangle_uvs(t)) else { return whole };
+        let place = |i: u16| (f32::from(i) + 0.5) / f32::from(SIDE);
+        let points = (0..SIDE * SIDE).map(|i| warp::triangle([place(i % SIDE), place(i / SIDE)]));
+        let sum: f32 = points.map(|[u, v]| luminance(self.at(a * (1.0 - u - v) + b * u + c * v))).sum();
+        (sum / f32::from(SIDE * SIDE)).max(LEAST * whole)
+    }
 }
 
-/// A shadow ray and what comes along it.
+/// A light with a place, by its index in the list of its kind.
 #[derive(Clone, Copy, Debug)]
-pub struct LightSample {
-    /// Unit direction to the light.
-    pub wi: Vec3,
-    /// Radiance over the density of this sample, before visibility.
-    pub radiance_over_pdf: Rgb,
-    /// Density of `wi` per solid angle; infinite for a delta light.
-    pub pdf: f32,
-    /// The segment that must be free.
-    pub shadow: Ray,
-}
-
-/// Shadow rays end this share before the light, so that its own triangle does not block them. Relative, so
-/// it has no unit.
-const ALMOST: f32 = 1.0 - 1e-5;
-
-#[derive(Clone, Copy, Debug)]
-enum Entry {
-    Triangle { mesh: u32, triangle: u32 },
+enum Emitter {
+    Patch { patch: u32, material: u32 },
     Point(u32),
-    Directional(u32),
+    Spot(u32),
     Sphere(u32),
-    Environment,
 }
 
 /// Which lights [`Lights::sample`] chooses from, besides those that always deserve it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampled {
-    /// Also an environment that BSDF sampling finds as well.
-    pub any_environment: bool,
-    /// Also points and parallel light. False: [`Lights::deltas`] gives them, each for itself.
+    /// No BSDF samples find lights: environments are sampled as they are, and wherever light comes from.
+    pub alone: bool,
+    /// Also points, spots and parallel light. False: [`Lights::deltas`] gives them, each for itself.
     pub deltas: bool,
 }
 
@@ -80,138 +88,150 @@ pub enum End {
     Sphere(u32),
 }
 
+/// The emitters of a mesh's triangles, from the first emissive one to the last.
+#[derive(Clone, Debug, Default)]
+struct Owners {
+    first: u32,
+    emitters: Vec<u32>,
+}
+
+/// In [`Owners::emitters`]: none.
+const NONE: u32 = u32::MAX;
+
 /// All lights of a scene, ready to be sampled.
 #[derive(Clone, Debug)]
 pub struct Lights {
-    meshes: Vec<Arc<Mesh>>,
     emissions: Vec<Emission>,
-    /// The environment that rays meet which hit nothing.
-    pub environment: Option<Environment>,
+    patches: Vec<Patch>,
+    /// By patch: its mesh and first triangle.
+    sources: Vec<[u32; 2]>,
+    meshes: Vec<Arc<Mesh>>,
+    /// By mesh.
+    owners: Vec<Owners>,
     points: Vec<Point>,
-    directionals: Vec<Directional>,
+    spots: Vec<Spot>,
     /// The spherical lamps, which rays meet besides the meshes.
     pub spheres: Vec<Sphere>,
-    entries: Vec<Entry>,
-    table: AliasTable,
-    /// By entry, except for triangles: the probability of being chosen.
-    chance: Vec<f32>,
-    /// By spherical lamp: the same.
-    sphere_chance: Vec<f32>,
-    /// By material: density per area with which [`Lights::sample`] chooses a point of such a triangle. The
-    /// triangle's power is its area times a constant of the material, so the area cancels.
-    density: Vec<f32>,
-    environment_chance: f32,
+    /// By spherical lamp.
+    sphere_emitter: Vec<u32>,
+    distant: Distants,
+    emitters: Vec<Emitter>,
+    tree: LightTree,
 }
 
 impl Lights {
     /// Collects the emissive triangles of `meshes` (`emissions` by material id) and the other lights.
-    /// `radius`: of a sphere around the scene, in metres, to weigh the environment against the rest.
-    pub fn new(
-        meshes: &[Arc<Mesh>],
-        emissions: Vec<Emission>,
-        others: &[Light],
-        radius: f32,
-        sampled: Sampled,
-    ) -> Lights {
+    pub fn new(meshes: &[Arc<Mesh>], emissions: Vec<Emission>, others: &[Light], sampled: Sampled) -> Lights {
         let mut lights = Lights {
-            meshes: meshes.to_vec(),
-            environment: None,
-            points: Vec::new(),
-            directionals: Vec::new(),
-            spheres: Vec::new(),
-            sphere_chance: Vec::new(),
-            density: vec![0.0; emissions.len()],
             emissions,
-            entries: Vec::new(),
-            table: AliasTable::default(),
-            chance: Vec::new(),
-            environment_chance: 0.0,
+            patches: Vec::new(),
+            sources: Vec::new(),
+            meshes: meshes.to_vec(),
+            owners: Vec::new(),
+            points: Vec::new(),
+            spots: Vec::new(),
+            spheres: Vec::new(),
+            sphere_emitter: Vec::new(),
+            distant: Distants::new(others, sampled),
+            emitters: Vec::new(),
+            tree: LightTree::default(),
         };
         for light in others {
             match light {
-                Light::Environment(e) => lights.environment = Some(*e),
                 Light::Point(p) => lights.points.push(*p),
-                Light::Directional(d) => lights.directionals.push(*d),
+                Light::Spot(s) => lights.spots.push(*s),
                 Light::Sphere(s) => lights.spheres.push(*s),
+                Light::Environment(_) | Light::Sun(_) | Light::Directional(_) => {}
             }
         }
-        // The disk that parallel light and the sky shine on; a scene without extent has any.
-        let disk = PI * if radius > 0.0 { f64::from(radius).powi(2) } else { 1.0 };
-        let mut powers = Vec::new();
-        lights.collect_triangles(&mut powers);
-        lights.collect_others(disk, sampled.deltas, &mut powers);
-        if let Some(environment) =
-            lights.environment.filter(|e| sampled.any_environment || e.deserves_samples())
-        {
-            lights.entries.push(Entry::Environment);
-            powers.push(4.0 * PI * disk * f64::from(luminance(environment.average())));
+        let mut bounds = Vec::new();
+        for (i, mesh) in meshes.iter().enumerate() {
+            let owners = lights.collect_patches(i as u32, mesh, &mut bounds);
+            lights.owners.push(owners);
         }
-        lights.weigh(&powers);
+        lights.collect_others(sampled.deltas, &mut bounds);
+        lights.tree = LightTree::new(&bounds);
         lights
     }
 
-    /// Adds points and parallel lights (if `deltas`) and spheres with their powers.
-    fn collect_others(&mut self, disk: f64, deltas: bool, powers: &mut Vec<f64>) {
-        for (i, point) in self.points.iter().enumerate().filter(|_| deltas) {
-            self.entries.push(Entry::Point(i as u32));
-            powers.push(4.0 * PI * f64::from(luminance(point.intensity)));
-        }
-        for (i, light) in self.directionals.iter().enumerate().filter(|_| deltas) {
-            self.entries.push(Entry::Directional(i as u32));
-            powers.push(disk * f64::from(luminance(light.irradiance)));
-        }
-        for (i, sphere) in self.spheres.iter().enumerate() {
-            self.entries.push(Entry::Sphere(i as u32));
-            powers.push(
-                4.0 * PI * PI * f64::from(sphere.radius).powi(2) * f64::from(luminance(sphere.radiance)),
-            );
-        }
-    }
-
-    /// Adds every emissive triangle with its power π·L·A·sides.
-    fn collect_triangles(&mut self, powers: &mut Vec<f64>) {
-        for (m, mesh) in self.meshes.iter().enumerate() {
-            for t in 0..mesh.indices.len() {
-                let power_per_area = self.power_per_area(mesh.materials.get(t));
-                if power_per_area > 0.0 {
-                    let [a, b, c] = mesh.triangle(t).map(|p| p.as_dvec3());
-                    let area = 0.5 * (b - a).cross(c - a).length();
-                    if area > 0.0 {
-                        self.entries.push(Entry::Triangle { mesh: m as u32, triangle: t as u32 });
-                        powers.push(power_per_area * area);
-                    }
-                }
+    /// Adds the emissive triangles of a mesh, two that make a rectangle as one.
+    fn collect_patches(&mut self, id: u32, mesh: &Mesh, bounds: &mut Vec<LightBounds>) -> Owners {
+        let shines = |t: usize| {
+            let emission = self.emissions.get(mesh.materials.get(t) as usize);
+            emission.is_some_and(|e| luminance(e.radiance) > 0.0)
+        };
+        let Some(first) = (0..mesh.indices.len()).find(|t| shines(*t)) else { return Owners::default() };
+        let end = (first..mesh.indices.len()).rev().find(|t| shines(*t)).map_or(first, |t| t + 1);
+        let mut emitters = vec![NONE; end - first];
+        let mut t = first;
+        while t < end {
+            let material = mesh.materials.get(t);
+            let shining = self.emissions.get(material as usize).filter(|e| luminance(e.radiance) > 0.0);
+            let pair = t + 1 < end && mesh.materials.get(t + 1) == material;
+            // A picture is looked up in one triangle.
+            let rectangle = shining.filter(|e| pair && !e.varies()).and_then(|_| Patch::new(mesh, t, true));
+            let size = 1 + usize::from(rectangle.is_some());
+            let patch = rectangle.or_else(|| shining.and_then(|_| Patch::new(mesh, t, false)));
+            if let (Some(patch), Some(emission)) = (patch, shining) {
+                emitters[t - first..t - first + size].fill(self.emitters.len() as u32);
+                bounds.push(patch.bounds(emission.luminance_over(mesh, t), emission.two_sided));
+                self.emitters.push(Emitter::Patch { patch: self.patches.len() as u32, material });
+                self.patches.push(patch);
+                self.sources.push([id, t as u32]);
             }
+            t += size;
         }
+        Owners { first: first as u32, emitters }
     }
 
-    fn power_per_area(&self, material: u32) -> f64 {
-        self.emissions
-            .get(material as usize)
-            .map_or(0.0, |e| PI * f64::from(luminance(e.radiance)) * if e.two_sided { 2.0 } else { 1.0 })
-    }
-
-    fn weigh(&mut self, powers: &[f64]) {
-        let total: f64 = powers.iter().sum();
-        self.table = AliasTable::new(powers);
-        if self.table.is_empty() {
-            return;
+    /// Adds points and spots (if `deltas`) and spheres.
+    fn collect_others(&mut self, deltas: bool, bounds: &mut Vec<LightBounds>) {
+        let at = |p: Vec3, radius: f32, cone: Cone, strength: f32| LightBounds {
+            bounds: Aabb::EMPTY.grow(p - radius).grow(p + radius),
+            cone,
+            two_sided: false,
+            strength,
+        };
+        for (i, p) in self.points.iter().enumerate().filter(|_| deltas) {
+            self.emitters.push(Emitter::Point(i as u32));
+            bounds.push(at(p.position, 0.0, Cone::ALL, luminance(p.intensity)));
         }
-        self.chance = powers.iter().map(|p| (p / total) as f32).collect();
-        self.density =
-            (0..self.emissions.len() as u32).map(|m| (self.power_per_area(m) / total) as f32).collect();
-        let pairs = self.entries.iter().zip(&self.chance);
-        let of_spheres = pairs.filter_map(|(e, c)| matches!(e, Entry::Sphere(_)).then_some(*c));
-        self.sphere_chance = of_spheres.collect();
-        if let Some(Entry::Environment) = self.entries.last() {
-            self.environment_chance = self.chance.last().copied().unwrap_or(0.0);
+        for (i, s) in self.spots.iter().enumerate().filter(|_| deltas) {
+            self.emitters.push(Emitter::Spot(i as u32));
+            // Just beyond the cone's edge, where rounding may think itself outside.
+            let cone = Cone { axis: s.direction, cos_normals: s.cos_outer, cos_light: 0.999 };
+            bounds.push(at(s.position, 0.0, cone, luminance(s.intensity)));
+        }
+        for (i, s) in self.spheres.iter().enumerate() {
+            self.sphere_emitter.push(self.emitters.len() as u32);
+            self.emitters.push(Emitter::Sphere(i as u32));
+            let strength = std::f32::consts::PI * s.radius * s.radius * luminance(s.radiance);
+            bounds.push(at(s.center, s.radius, Cone::ALL, strength));
         }
     }
 
     /// True when there is nothing to sample.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
-        self.table.is_empty()
+        self.emitters.is_empty() && self.distant.is_empty()
+    }
+
+    /// True when [`Lights::sample`] chooses between lights, so that its choice needs a number and the receiver's normal.
+    #[inline(always)]
+    pub fn has_choice(&self) -> bool {
+        self.emitters.len() + self.distant.len() > 1
+    }
+
+    /// The receiver at `surface`, with its normal packed for rays to carry. Light can come from the side of `wo` alone,
+    /// or from `all_around`.
+    #[inline(always)]
+    pub fn receiver(&self, surface: &Surface, wo: Vec3, all_around: bool) -> (Receiver, u32) {
+        let packed = if all_around || !self.has_choice() {
+            Receiver::ALL_AROUND
+        } else {
+            Receiver::pack(surface.ng * 1.0f32.copysign(surface.ng.dot(wo)))
+        };
+        (Receiver::new(surface.p, packed), packed)
     }
 
     /// Radiance that the triangle hit at `surface` sends back along `wo`.
@@ -221,126 +241,207 @@ impl Lights {
         if emission.two_sided || surface.ng.dot(wo) > 0.0 { emission.at(surface.uv) } else { Rgb::ZERO }
     }
 
-    /// Density per solid angle with which [`Lights::sample`] would have chosen the point that a ray met at
-    /// distance `t` on an emissive triangle of `material`.
+    /// Density per solid angle with which [`Lights::sample`] would have chosen, at `from`, the point `surface` that a ray
+    /// met at distance `t` on a triangle of a mesh.
     #[inline(always)]
-    pub fn pdf_of_hit(&self, material: u32, surface: &Surface, wo: Vec3, t: f32) -> f32 {
-        self.density[material as usize] * t * t / surface.ng.dot(wo).abs()
-    }
-
-    /// Radiance at the end of a ray from `o` along `d` that meets no mesh, and the density per solid angle with
-    /// which [`Lights::sample`] would have chosen that direction.
-    #[inline(always)]
-    pub fn at_end(&self, end: End, o: Vec3, d: Vec3) -> (Rgb, f32) {
-        match end {
-            End::Sky => match &self.environment {
-                Some(environment) => (environment.le(d), self.pdf_of_sky(d)),
-                None => (Rgb::ZERO, 0.0),
-            },
-            End::Sphere(i) => {
-                let sphere = &self.spheres[i as usize];
-                let chance = self.sphere_chance.get(i as usize).copied().unwrap_or(0.0);
-                let pdf = sphere.pdf(o);
-                // Seen from inside it is black.
-                if pdf > 0.0 { (sphere.radiance, chance * pdf) } else { (Rgb::ZERO, 0.0) }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn pdf_of_sky(&self, d: Vec3) -> f32 {
-        match &self.environment {
-            Some(environment) if self.environment_chance > 0.0 => {
-                self.environment_chance * environment.pdf(d)
+    pub fn pdf_of_hit(
+        &self,
+        from: &Receiver,
+        [mesh, triangle]: [u32; 2],
+        surface: &Surface,
+        wo: Vec3,
+        t: f32,
+    ) -> f32 {
+        let owners = &self.owners[mesh as usize];
+        let Some(&emitter) = owners.emitters.get(triangle.wrapping_sub(owners.first) as usize) else {
+            return 0.0;
+        };
+        match self.emitters.get(emitter as usize) {
+            Some(Emitter::Patch { patch, .. }) => {
+                let pdf = self.patches[*patch as usize].pdf(from.p, t * t, surface.ng.dot(wo).abs());
+                self.chance(emitter, from) * pdf
             }
             _ => 0.0,
         }
     }
 
-    /// Every light that no ray can meet: points and parallel light, as the notes' 13.7 hints at them (no grid of
+    /// Probability of choosing an emitter.
+    #[inline(always)]
+    fn chance(&self, emitter: u32, from: &Receiver) -> f32 {
+        if !self.has_choice() {
+            return 1.0;
+        }
+        self.distant.share_of_others(&self.tree, from) * self.tree.probability(emitter, from)
+    }
+
+    /// Tells `found` the radiance of everything at the end of a ray from `o` along `d` that meets no mesh, each with the
+    /// density per solid angle with which [`Lights::sample`] would have chosen that direction; `normal` is the packed one
+    /// of where the ray started.
+    #[inline(always)]
+    pub fn at_end(&self, end: End, o: Vec3, d: Vec3, normal: u32, mut found: impl FnMut(Rgb, f32)) {
+        match end {
+            End::Sky => self.distant.at_end(&self.tree, &Receiver::new(o, normal), d, found),
+            End::Sphere(i) => {
+                let sphere = &self.spheres[i as usize];
+                let pdf = sphere.pdf(o);
+                // Seen from inside it is black.
+                if pdf > 0.0 {
+                    let chance = self.chance(self.sphere_emitter[i as usize], &Receiver::new(o, normal));
+                    found(sphere.radiance, chance * pdf);
+                }
+            }
+        }
+    }
+
+    /// Every light that no ray can meet: points, spots and parallel light, as the notes' 13.7 hints at them (no grid of
     /// directions finds one).
     #[inline]
     pub fn deltas<'a>(&'a self, from: &'a Surface) -> impl Iterator<Item = LightSample> + 'a {
-        let points = self.points.iter().filter_map(|p| sample_point(from, p, 1.0));
-        points.chain(self.directionals.iter().map(|d| sample_directional(from, d, 1.0)))
+        let points = self.points.iter().filter_map(|p| sample_point(from, p.position, 1.0, |_| p.intensity));
+        let spots = self.spots.iter().filter_map(|s| sample_spot(from, s, 1.0));
+        points.chain(spots).chain(self.distant.directionals.iter().map(|d| sample_directional(from, d, 1.0)))
     }
 
-    /// One light and one direction to it. `choice`: 32 uniform bits; `u`: where on the light.
+    /// One light and one direction to it from `surface`, whose receiver is `from`. `choice`: 32 uniform bits; `u`: where
+    /// on the light.
     #[inline(always)]
-    pub fn sample(&self, from: &Surface, choice: u32, u: [f32; 2]) -> Option<LightSample> {
-        let entry = self.table.sample(choice)?;
-        match self.entries[entry] {
-            Entry::Triangle { mesh, triangle } => self.sample_triangle(from, mesh, triangle, u),
-            Entry::Point(i) => sample_point(from, &self.points[i as usize], self.chance[entry]),
-            Entry::Directional(i) => {
-                Some(sample_directional(from, &self.directionals[i as usize], self.chance[entry]))
+    pub fn sample(
+        &self,
+        surface: &Surface,
+        from: &Receiver,
+        choice: u32,
+        u: [f32; 2],
+    ) -> Option<LightSample> {
+        let (emitter, chance) = if self.has_choice() {
+            // The hash fills the digits that 32 bits leave open: a tree has as many as its depth of choices to make.
+            let below = f64::from(choice.wrapping_mul(0x9e37_79b9)) / 4_294_967_296.0;
+            let number = (f64::from(choice) + below) / 4_294_967_296.0;
+            match self.distant.choose(&self.tree, from, number)? {
+                (None, share, rest) => {
+                    let (emitter, chance) = self.tree.sample(from, rest)?;
+                    (emitter, share * chance)
+                }
+                (Some(distant), chance, _) => return self.sample_distant(surface, distant, chance, u),
             }
-            Entry::Sphere(i) => sample_sphere(from, &self.spheres[i as usize], self.chance[entry], u),
-            Entry::Environment => self.sample_environment(from, u),
+        } else if let Some(distant) = self.distant.only() {
+            return self.sample_distant(surface, distant, 1.0, u);
+        } else {
+            (0, 1.0)
+        };
+        match *self.emitters.get(emitter as usize)? {
+            Emitter::Patch { patch, material } => self.sample_patch(surface, patch, material, chance, u),
+            Emitter::Point(i) => {
+                let point = &self.points[i as usize];
+                sample_point(surface, point.position, chance, |_| point.intensity)
+            }
+            Emitter::Spot(i) => sample_spot(surface, &self.spots[i as usize], chance),
+            Emitter::Sphere(i) => sample_sphere(surface, &self.spheres[i as usize], chance, u),
         }
     }
 
     #[inline(always)]
-    fn sample_triangle(&self, from: &Surface, mesh: u32, triangle: u32, u: [f32; 2]) -> Option<LightSample> {
-        let mesh = &self.meshes[mesh as usize];
-        let material = mesh.materials.get(triangle as usize);
-        let [b1, b2] = warp::triangle(u);
-        let mut light = Surface::faceted(mesh, triangle, b1, b2);
-        let emission = &self.emissions[material as usize];
-        let mut share = 1.0;
-        if emission.texture.is_some() || emission.opacity.is_some() {
-            let uv = mesh.uv(triangle as usize, b1, b2);
-            light.uv = uv.unwrap_or(light.uv);
-            share = emission.opacity.as_ref().map_or(1.0, |opacity| opacity.at(uv));
-        }
-        let to = light.p - from.p;
+    fn sample_patch(
+        &self,
+        from: &Surface,
+        index: u32,
+        material: u32,
+        chance: f32,
+        u: [f32; 2],
+    ) -> Option<LightSample> {
+        let patch = &self.patches[index as usize];
+        let point = patch.sample(from.p, u);
+        let to = point.p - from.p;
         let distance_squared = to.length_squared();
         if distance_squared <= 0.0 {
             return None;
         }
         let wi = to * (1.0 / distance_squared.sqrt());
+        let mut light =
+            Surface { p: point.p, error: point.error, ng: point.ng, ns: point.ng, uv: Vec2::ZERO };
+        let mut share = 1.0;
+        let emission = &self.emissions[material as usize];
+        if emission.varies() {
+            let [mesh, triangle] = self.sources[index as usize];
+            let uv = self.meshes[mesh as usize].uv_at(triangle as usize, point.p);
+            light.uv = uv.unwrap_or_default();
+            share = emission.opacity.as_ref().map_or(1.0, |opacity| opacity.at(uv));
+        }
         let radiance = self.emitted(material, &light, -wi) * share;
-        let pdf = self.density[material as usize] * distance_squared / light.ng.dot(wi).abs();
+        let cos = point.ng.dot(wi).abs();
+        let pdf = chance * point.by_solid_angle.unwrap_or_else(|| patch.pdf_by_area(distance_squared, cos));
         if radiance == Rgb::ZERO || !(pdf > 0.0 && pdf.is_finite()) {
             return None;
         }
         let start = leave(from.p, from.error, from.ng, wi);
         let end = leave(light.p, light.error, light.ng, -wi);
-        let shadow = Ray { o: start, d: end - start, tmax: ALMOST };
+        let shadow = Ray { o: start, d: end - start, tmax: reach::ALMOST };
         Some(LightSample { wi, radiance_over_pdf: radiance / pdf, pdf, shadow })
     }
 
     #[inline(always)]
-    fn sample_environment(&self, from: &Surface, u: [f32; 2]) -> Option<LightSample> {
-        let environment = self.environment.as_ref()?;
-        let (wi, pdf) = environment.sample(u);
-        let pdf = pdf * self.environment_chance;
-        let start = leave(from.p, from.error, from.ng, wi);
-        let shadow = Ray { o: start, d: wi, tmax: f32::INFINITY };
-        Some(LightSample { wi, radiance_over_pdf: environment.le(wi) / pdf, pdf, shadow })
+    fn sample_distant(
+        &self,
+        from: &Surface,
+        light: Distant,
+        chance: f32,
+        u: [f32; 2],
+    ) -> Option<LightSample> {
+        let (wi, pdf, radiance) = match light {
+            Distant::Directional(i) => {
+                return Some(sample_directional(from, &self.distant.directionals[i as usize], chance));
+            }
+            Distant::Sun(i) => {
+                let sun: &Sun = &self.distant.suns[i as usize];
+                (sun.sample(u), 1.0 / sun.solid_angle(), sun.radiance)
+            }
+            Distant::Environment => {
+                let environment: &Environment = self.distant.environment.as_ref()?;
+                environment.sample(self.distant.compensated, u)?
+            }
+        };
+        let pdf = pdf * chance;
+        if !(pdf > 0.0 && pdf.is_finite()) {
+            return None;
+        }
+        Some(LightSample { wi, radiance_over_pdf: radiance / pdf, pdf, shadow: reach::to_infinity(from, wi) })
     }
 }
 
-/// The notes' hint in 13.7 (no grid of directions can meet a point): its own term, I/d².
+/// The notes' hint in 13.7 (no grid of directions can meet a point): its own term, I/d², with the intensity I along the
+/// light's way.
 #[inline(always)]
-fn sample_point(from: &Surface, point: &Point, chance: f32) -> Option<LightSample> {
-    let to = point.position - from.p;
+fn sample_point(
+    from: &Surface,
+    position: Vec3,
+    chance: f32,
+    intensity: impl FnOnce(Vec3) -> Rgb,
+) -> Option<LightSample> {
+    let to = position - from.p;
     let distance_squared = to.length_squared();
     if distance_squared <= 0.0 {
         return None;
     }
     let wi = to * (1.0 / distance_squared.sqrt());
+    let intensity = intensity(-wi);
+    if intensity == Rgb::ZERO {
+        return None;
+    }
     let start = leave(from.p, from.error, from.ng, wi);
-    let shadow = Ray { o: start, d: point.position - start, tmax: 1.0 };
-    let radiance_over_pdf = point.intensity / (distance_squared * chance);
+    let shadow = Ray { o: start, d: position - start, tmax: 1.0 };
+    let radiance_over_pdf = intensity / (distance_squared * chance);
     Some(LightSample { wi, radiance_over_pdf, pdf: f32::INFINITY, shadow })
+}
+
+#[inline(always)]
+fn sample_spot(from: &Surface, spot: &Spot, chance: f32) -> Option<LightSample> {
+    sample_point(from, spot.position, chance, |way| spot.intensity_at(way.dot(spot.direction)))
 }
 
 /// Parallel light: its irradiance is that of a plane facing it, so f_cos alone weighs it.
 #[inline(always)]
 fn sample_directional(from: &Surface, light: &Directional, chance: f32) -> LightSample {
     let wi = -light.direction;
-    let shadow = Ray { o: leave(from.p, from.error, from.ng, wi), d: wi, tmax: f32::INFINITY };
+    let shadow = reach::to_infinity(from, wi);
     LightSample { wi, radiance_over_pdf: light.irradiance / chance, pdf: f32::INFINITY, shadow }
 }
 
@@ -349,6 +450,6 @@ fn sample_sphere(from: &Surface, sphere: &Sphere, chance: f32, u: [f32; 2]) -> O
     let (wi, pdf, t) = sphere.sample(from.p, u)?;
     let pdf = pdf * chance;
     let start = leave(from.p, from.error, from.ng, wi);
-    let shadow = Ray { o: start, d: from.p + wi * t - start, tmax: ALMOST };
+    let shadow = Ray { o: start, d: from.p + wi * t - start, tmax: reach::ALMOST };
     Some(LightSample { wi, radiance_over_pdf: sphere.radiance / pdf, pdf, shadow })
 }

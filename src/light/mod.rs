@@ -1,19 +1,34 @@
-//! What shines: environments and points as plain data ([`Light`]), emissive triangles found in the meshes,
-//! and [`Lights`], which chooses among all of them by power.
+//! What shines: lights as plain data ([`Light`]), emissive triangles found in the meshes, and [`Lights`], which chooses
+//! among all of them by what they can mean to a point.
 //!
 //! Radiance in W/(m²·sr), a point's intensity in W/sr. Directions `wi` point from the surface to the light.
 
+pub mod bounds;
 mod directional;
+pub mod distant;
 mod environment;
 mod lights;
+pub mod panorama;
+pub mod patch;
 mod point;
+pub mod preetham;
+mod reach;
+mod receiver;
 pub mod sphere;
+mod spot;
+mod sun;
+pub mod tree;
 
 pub use directional::Directional;
 pub use environment::Environment;
-pub use lights::{Emission, End, LightSample, Lights, Sampled};
+pub use lights::{Emission, End, Lights, Sampled};
+pub use panorama::Panorama;
 pub use point::Point;
+pub use reach::LightSample;
+pub use receiver::Receiver;
 pub use sphere::Sphere;
+pub use spot::Spot;
+pub use sun::Sun;
 
 /// A light that is no mesh. (A rectangle is one: two triangles with an emissive material.)
 #[derive(Clone, Debug, PartialEq)]
@@ -22,8 +37,12 @@ pub enum Light {
     Environment(Environment),
     /// A point that sends the same intensity in all directions.
     Point(Point),
+    /// A point that sends light into a cone.
+    Spot(Spot),
     /// Parallel light.
     Directional(Directional),
+    /// A disc infinitely far away.
+    Sun(Sun),
     /// A spherical lamp.
     Sphere(Sphere),
 }
@@ -31,8 +50,10 @@ pub enum Light {
 impl Light {
     /// Every kind's name in scene files, with what it is.
     pub const NAMES: &'static [(&'static str, &'static str)] = &[
-        ("environment", "light from all around: constant radiance, or a built-in sky"),
+        ("environment", "light from all around: constant radiance, a picture, or a built-in sky"),
+        ("sun-sky", "daylight by place of the sun and turbidity"),
         ("point", "the same intensity (W/sr) in all directions"),
+        ("spot", "an intensity (W/sr) on the axis of a cone with a soft edge"),
         ("directional", "parallel light of an irradiance (W/m²)"),
         ("sphere", "a spherical lamp of a radiance; seen and blocking"),
         ("rectangle", "a flat lamp of a radiance; seen and blocking"),

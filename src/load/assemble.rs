@@ -5,10 +5,11 @@ use super::materials::MaterialSpec;
 use super::object::{self, Object};
 use super::place::{Extent, NormalsMode, Transform, place, rename_materials};
 use super::scene_file::{LightPlan, MaterialPatch, MeshPlan, Plan};
+use super::sky::{SkyPicture, SkySource};
 use super::texture;
 use super::{Loaded, Options, cancelled};
 use crate::error::{Error, Finding, Result, Severity, nearest, show_path, unknown_word_advice};
-use crate::light::{Directional, Light, Point, Sphere};
+use crate::light::{Directional, Light, Point, Sphere, Spot};
 use crate::math::{DVec3, Rgb};
 use crate::scene::{IntegratorKind, Scene};
 use crate::shape::{FaceMaterials, Mesh};
@@ -76,7 +77,13 @@ pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) 
     let added = meshes.get(placements.len()..).unwrap_or_default();
     let triangles = in_files + added.iter().map(|m| m.indices.len() as u64).sum::<u64>();
     let forward = camera.look_at - camera.position;
-    let lights = plan.lights.iter().filter_map(|light| place_light(light, origin, up, forward)).collect();
+    let lights = plan.lights.iter().flat_map(|light| place_light(light, origin, up, forward)).collect();
+    for light in &plan.lights {
+        if let LightPlan::Picture { picture, .. } = light {
+            picture.finding().into_iter().for_each(|finding| findings.push(finding));
+            files.paths.push(picture.file.clone());
+        }
+    }
     let job = texture::Job { most_bytes: options.max_texture_bytes, progress: options.progress };
     let specs = palette.specs();
     let textures = texture::StatedTexture::of(&specs, input);
@@ -369,15 +376,29 @@ fn place_all(
     Ok(meshes)
 }
 
-fn place_light(light: &LightPlan, origin: DVec3, up: DVec3, forward: DVec3) -> Option<Light> {
-    match light {
+fn place_light(light: &LightPlan, origin: DVec3, up: DVec3, forward: DVec3) -> Vec<Light> {
+    if let LightPlan::SunSky(daylight) = light {
+        return daylight.lights(up);
+    }
+    let one = match light {
         LightPlan::Constant(radiance) => {
             Some(Light::Environment(crate::light::Environment::Constant(*radiance)))
         }
         LightPlan::Sky { sky, up: own, scale } => {
-            let environment = sky.environment(own.unwrap_or(up), forward)?;
-            Some(Light::Environment(environment.scaled(*scale)))
+            let environment = sky.environment(own.unwrap_or(up), forward);
+            environment.map(|environment| Light::Environment(environment.scaled(*scale)))
         }
+        // A map's zenith is +y unless the file says otherwise: it is no matter of the camera.
+        LightPlan::Picture { picture, scale, rotate, up } => {
+            picture.light(*scale, *rotate, up.unwrap_or(DVec3::Y))
+        }
+        LightPlan::Spot { position, direction, cos_outer, cos_inner, intensity } => Some(Light::Spot(Spot {
+            position: (*position - origin).as_vec3(),
+            direction: direction.as_vec3(),
+            intensity: *intensity,
+            cos_outer: *cos_outer as f32,
+            cos_inner: *cos_inner as f32,
+        })),
         LightPlan::Point { position, intensity } => {
             Some(Light::Point(Point { position: (*position - origin).as_vec3(), intensity: *intensity }))
         }
@@ -389,8 +410,9 @@ fn place_light(light: &LightPlan, origin: DVec3, up: DVec3, forward: DVec3) -> O
             radius: *radius as f32,
             radiance: *radiance,
         })),
-        LightPlan::Rectangle { .. } => None,
-    }
+        LightPlan::Rectangle { .. } | LightPlan::SunSky(_) => None,
+    };
+    one.into_iter().collect()
 }
 
 /// The mesh of a flat lamp: black, shining from the side of edge_u × edge_v or from both.
@@ -411,6 +433,8 @@ fn is_dark(scene: &Scene) -> bool {
         Light::Environment(environment) => environment.average() == Rgb::ZERO,
         Light::Directional(d) => d.irradiance == Rgb::ZERO,
         Light::Sphere(s) => s.radiance == Rgb::ZERO,
+        Light::Sun(s) => s.radiance == Rgb::ZERO,
+        Light::Spot(s) => s.intensity == Rgb::ZERO,
         Light::Point(point) => point.intensity == Rgb::ZERO,
     };
     scene.lights.iter().all(dark) && scene.materials.iter().all(|m| m.emission == Rgb::ZERO)
@@ -428,10 +452,15 @@ pub(super) fn apply_look(plan: &mut Plan<'_>, is_bare: bool, options: &Options<'
         return Err(Error::usage("--view: the scene places the camera")
             .advise("leave --view out, or move the camera with --set camera.position=[x,y,z]"));
     }
-    let sky = options.sky.or((is_bare && plan.lights.is_empty()).then_some(Sky::Studio));
-    if let Some(sky) = sky {
-        plan.lights.retain(|light| !light.is_environment());
-        plan.lights.push(LightPlan::Sky { sky, up: None, scale: 1.0 });
-    }
+    let usual = (is_bare && plan.lights.is_empty()).then_some(SkySource::BuiltIn(Sky::Studio));
+    let Some(sky) = options.sky.clone().or(usual) else { return Ok(()) };
+    plan.lights.retain(|light| !light.is_environment());
+    plan.lights.push(match sky {
+        SkySource::BuiltIn(sky) => LightPlan::Sky { sky, up: None, scale: 1.0 },
+        SkySource::Picture(file) => {
+            let picture = SkyPicture::read(&file)?;
+            LightPlan::Picture { picture, scale: 1.0, rotate: 0.0, up: options.up.map(auto::Up::vector) }
+        }
+    });
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! What a bare mesh gets so that one command makes a picture: a view, a sky, clay and perhaps a ground. All
 //! constants of that look are here.
 
-use crate::error::{Error, Result, lookup, unknown_word_advice};
+use crate::error::{Result, lookup};
 use crate::light::Environment;
 use crate::math::{Aabb, DVec3, Rgb, Vec3};
 use crate::shape::Mesh;
@@ -149,13 +149,6 @@ impl Sky {
 
     /// The sky of that name.
     pub fn from_name(word: &str) -> Result<Sky> {
-        let is_picture = [".hdr", ".exr"].iter().any(|e| word.to_lowercase().ends_with(e));
-        if is_picture && lookup("sky", word, Self::TABLE).is_err() {
-            return Err(Error::usage(format!(
-                "the sky \"{word}\": pictures are not supported by this version"
-            ))
-            .advise(unknown_word_advice(word, &Self::TABLE.iter().map(|row| row.0).collect::<Vec<_>>())));
-        }
         lookup("sky", word, Self::TABLE)
     }
 

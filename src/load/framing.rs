@@ -1,7 +1,7 @@
 //! The camera that frames a scene: what `[camera]` leaves open is chosen so that everything is in the picture.
 
 use super::auto::{self, Bearings, View};
-use crate::camera::{CameraSpec, Projection, Window};
+use crate::camera::{Aperture, CameraSpec, Projection, Window};
 use crate::math::DVec3;
 use crate::shape::Mesh;
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// A camera with gaps.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CameraPlan {
-    /// Perspective or orthographic.
+    /// How points of the image become rays.
     pub projection: Projection,
     /// The eye; `None`: so that all is seen.
     pub position: Option<DVec3>,
@@ -20,8 +20,8 @@ pub(crate) struct CameraPlan {
     pub up: Option<DVec3>,
     /// The picture's width and height.
     pub lens: Lens,
-    /// Lens radius.
-    pub aperture: f64,
+    /// The opening of the lens.
+    pub aperture: Aperture,
     /// `None`: the distance to the point in the middle.
     pub focus_distance: Option<f64>,
 }
@@ -34,7 +34,7 @@ impl Default for CameraPlan {
             look_at: None,
             up: None,
             lens: Lens::Usual,
-            aperture: 0.0,
+            aperture: Aperture::default(),
             focus_distance: None,
         }
     }
@@ -124,6 +124,11 @@ impl CameraPlan {
                     spec.window = self.height_of_all(&spec, size, meshes, origin);
                 }
             }
+            // In the middle of it all, looking to the front.
+            (None, _) if self.projection == Projection::Panorama => {
+                spec.position = middle(meshes).unwrap_or(DVec3::ZERO) + origin;
+                spec.look_at = spec.position + Bearings::new(up).front;
+            }
             (None, _) => {
                 let (to_eye, up) = view.directions(&Bearings::new(up));
                 spec.up = up;
@@ -146,6 +151,7 @@ impl CameraPlan {
             (Lens::Height(height), _) => Some(CameraSpec::height_window(height, size)),
             (Lens::Usual, Projection::Perspective) => Some(CameraSpec::fov_window(auto::FOV, size)),
             (Lens::Usual, Projection::Orthographic) => None,
+            (Lens::Usual, Projection::Panorama) => Some(CameraSpec::height_window(1.0, size)),
         }
     }
 

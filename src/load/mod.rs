@@ -19,13 +19,15 @@ pub mod open;
 pub mod picture;
 mod place;
 mod scene_file;
+pub mod sky;
 pub(crate) mod texture;
 
 pub use scene_file::Override;
 
 use crate::error::{Error, Findings, Result, unknown_word_advice};
 use crate::scene::{Scene, Settings};
-use auto::{Sky, Up, View};
+use auto::{Up, View};
+use sky::SkySource;
 use std::path::{Path, PathBuf};
 
 /// What the command line adds to a file.
@@ -38,8 +40,8 @@ pub struct Options<'a> {
     pub view: Option<View>,
     /// Puts a ground under the scene, as the last mesh.
     pub ground: bool,
-    /// A built-in sky instead of the file's environment.
-    pub sky: Option<Sky>,
+    /// A sky instead of the file's environment.
+    pub sky: Option<SkySource>,
     /// Bytes that all textures together may take in memory; pictures beyond it are left out with a warning.
     pub max_texture_bytes: u64,
     /// Told now and then the share done (0 to 1); `false` cancels the reading, which then fails with
@@ -74,7 +76,7 @@ pub struct Loaded {
     pub skipped_faces: u64,
     /// Triangles as the files say, before those without area and copies were dropped; a ground and lamps count.
     pub triangles: u64,
-    /// The mesh files and material libraries that were read.
+    /// The mesh files, material libraries and skies that were read.
     pub files: Vec<PathBuf>,
     /// How many of `files` are mesh files; they come first.
     pub mesh_files: usize,

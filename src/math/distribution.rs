@@ -1,4 +1,6 @@
-//! Choosing one of many with given probabilities in constant time.
+//! Choosing one of many with given probabilities.
+
+use rayon::prelude::*;
 
 /// An alias table (Walker 1977; built as in Vose 1991).
 #[derive(Clone, Debug, Default)]
@@ -57,6 +59,64 @@ impl AliasTable {
     }
 }
 
+/// A choice among the cells of a grid by two numbers, which keeps what is even about them: the first chooses a row, the
+/// second a cell of it, both by inversion, so that stratified numbers give stratified cells (an alias table would tear
+/// neighbours apart).
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridTable {
+    width: usize,
+    /// Ends of the rows' shares of [0, 1].
+    rows: Vec<f32>,
+    /// By row: ends of the cells' shares of [0, 1].
+    cells: Vec<f32>,
+    /// Sum of all weights.
+    pub total: f64,
+}
+
+impl GridTable {
+    /// A table over `weights`, row by row, non-negative and finite; `None` when all are zero or there are none.
+    pub fn new(width: usize, weights: &[f32]) -> Option<GridTable> {
+        let mut cells = vec![0.0; weights.len()];
+        let sums: Vec<f64> = cells
+            .par_chunks_mut(width.max(1))
+            .zip(weights.par_chunks(width.max(1)))
+            .map(|(cells, weights)| accumulate(weights.iter().map(|w| f64::from(*w)), cells))
+            .collect();
+        let mut rows = vec![0.0; sums.len()];
+        let total = accumulate(sums.iter().copied(), &mut rows);
+        (total > 0.0 && total.is_finite()).then_some(GridTable { width, rows, cells, total })
+    }
+
+    /// The column and row that `u` in [0, 1)² chooses, and what is left of both numbers, again in [0, 1).
+    #[inline]
+    pub fn sample(&self, u: [f32; 2]) -> ([usize; 2], [f32; 2]) {
+        let (y, v) = invert(&self.rows, u[1]);
+        let (x, u) = invert(&self.cells[y * self.width..(y + 1) * self.width], u[0]);
+        ([x, y], [u, v])
+    }
+}
+
+/// Writes the running sums of `weights` over their sum, which it returns; nothing but zeros where that is zero.
+fn accumulate(weights: impl Iterator<Item = f64> + Clone, ends: &mut [f32]) -> f64 {
+    let total: f64 = weights.clone().sum();
+    let mut sum = 0.0;
+    for (end, weight) in ends.iter_mut().zip(weights) {
+        sum += weight;
+        *end = if total > 0.0 { (sum / total) as f32 } else { 0.0 };
+    }
+    total
+}
+
+/// The first part that ends above `u`, and how far `u` has come in it. A part of weight zero ends where it begins, so it
+/// is never the one.
+#[inline]
+fn invert(ends: &[f32], u: f32) -> (usize, f32) {
+    let i = ends.partition_point(|end| *end <= u).min(ends.len() - 1);
+    let start = if i > 0 { ends[i - 1] } else { 0.0 };
+    let share = (u - start) / (ends[i] - start);
+    (i, if share < 1.0 { share.max(0.0) } else { 1.0 - 0.5 * f32::EPSILON })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,5 +154,27 @@ mod tests {
         let odd =
             (0..1u32 << 20).filter(|i| table.sample(i.wrapping_mul(0x9e37_79b1)).unwrap() % 2 == 1).count();
         assert!((odd as f64 / f64::from(1u32 << 20) - 0.75).abs() < 2e-3);
+    }
+
+    #[test]
+    fn cells_of_a_grid_follow_their_weights() {
+        let weights = [0.0, 2.0, 1.0, 0.0, 0.0, 0.0, 4.0, 0.5, 0.5];
+        let table = GridTable::new(3, &weights).unwrap();
+        assert_eq!(table.total, 8.0);
+        let n = 512;
+        let mut counts = [0; 9];
+        for i in 0..n * n {
+            let u = [(i % n) as f32, (i / n) as f32].map(|x| (x + 0.5) / n as f32);
+            let ([x, y], rest) = table.sample(u);
+            assert!(rest.iter().all(|r| (0.0..1.0).contains(r)));
+            counts[y * 3 + x] += 1;
+        }
+        for (count, weight) in counts.iter().zip(weights) {
+            let expected = f64::from(weight) / 8.0 * f64::from(n * n);
+            assert!((f64::from(*count) - expected).abs() < 1e-2 * expected + 0.1, "{counts:?}");
+        }
+        assert_eq!(table.sample([0.0, 0.0]).0, [1, 0]);
+        assert_eq!(table.sample([0.999_999_94; 2]).0, [2, 2]);
+        assert!(GridTable::new(2, &[0.0; 4]).is_none() && GridTable::new(0, &[]).is_none());
     }
 }

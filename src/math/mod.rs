@@ -10,6 +10,7 @@ pub mod frame;
 pub mod isa;
 pub mod mis;
 pub mod ray;
+pub mod solid_angle;
 pub mod srgb;
 pub mod warp;
 

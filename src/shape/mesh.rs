@@ -135,6 +135,16 @@ impl Mesh {
         Some(a * (1.0 - u - v) + b * u + c * v)
     }
 
+    /// The texture coordinates at the point `p` of a triangle, by the areas that it cuts the triangle into.
+    pub fn uv_at(&self, triangle: usize, p: Vec3) -> Option<Vec2> {
+        let [a, b, c] = self.triangle(triangle);
+        let n = (b - a).cross(c - a);
+        let whole = n.length_squared();
+        let u = (p - a).cross(c - a).dot(n) / whole;
+        let v = (b - a).cross(p - a).dot(n) / whole;
+        if u.is_finite() && v.is_finite() { self.uv(triangle, u, v) } else { None }
+    }
+
     /// The smallest box around all triangles' corners (unreferenced vertices do not count).
     pub fn bounds(&self) -> Aabb {
         let corners = self.indices.iter().flatten();

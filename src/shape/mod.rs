@@ -6,6 +6,6 @@
 
 mod mesh;
 mod normals;
-mod surface;
+pub(crate) mod surface;
 pub use mesh::{Attribute, FaceMaterials, Mesh, NO_INDEX, Positions};
 pub use surface::{Surface, geometric_normal};

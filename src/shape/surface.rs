@@ -23,7 +23,7 @@ pub struct Surface {
 /// farther from the neighbouring triangles of a crease than a backend's own rounding of a distance, measured
 /// up to 5.8·ε·W with Embree (ε = 2⁻²³, W the largest coordinate); nearer ones it can take for behind it,
 /// and then the ray leaks into the body. Sixteen ε hold both with a margin.
-const ROUNDING: f32 = 16.0 * f32::EPSILON;
+pub(crate) const ROUNDING: f32 = 16.0 * f32::EPSILON;
 
 impl Surface {
     /// The point with barycentric weights `u` (second corner) and `v` (third corner) on a triangle, faceted and

@@ -16,8 +16,7 @@ impl Opacity {
     /// The share at texture coordinates `uv`, 0 to 1.
     pub fn at(&self, uv: Option<Vec2>) -> f32 {
         match (&self.texture, uv) {
-            // f32::max takes the 0 where the other is no number.
-            (Some(texture), Some(uv)) => texture.number(uv).max(0.0).min(1.0),
+            (Some(texture), Some(uv)) => texture.number(uv).clamp(0.0, 1.0),
             _ => self.constant,
         }
     }

@@ -87,7 +87,7 @@ impl Texels {
             let first = alpha.next();
             alpha.any(|value| Some(value) != first)
         }
-        self.channels % 2 == 0
+        self.channels.is_multiple_of(2)
             && match &self.data {
                 Data::U8(values) => varies(values, self.channels),
                 Data::U16(values) => varies(values, self.channels),

@@ -12,6 +12,7 @@ mod rows_command;
 mod rows_files;
 mod rows_numbers;
 mod rows_output;
+mod rows_textures;
 mod universal;
 mod usage;
 

@@ -64,7 +64,7 @@ fn a_slip_gets_a_suggestion() {
     drt(dir, &["t.obj", "--integrator", "pth"]).expect(2, &["did you mean \"path\"?"]);
     drt(dir, &["t.obj", "--set", "film.fliter=box"]).expect(2, &["did you mean \"filter\"?"]);
     drt(dir, &["t.obj", "--view", "frnt"]).expect(2, &["did you mean \"front\"?"]);
-    drt(dir, &["t.obj", "--sky", "evening.hdr"]).expect(2, &["not supported by this version"]);
+    drt(dir, &["t.obj", "--sky", "evening.hdr"]).expect(1, &["evening.hdr", "No such file"]);
 }
 
 #[test]

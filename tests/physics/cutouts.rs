@@ -66,7 +66,7 @@ fn opacities_of_a_half_and_a_quarter() {
             }
             files.push(("m.mtl".into(), mtl.into_bytes()));
             let files: Vec<(&str, Vec<u8>)> = files.iter().map(|(n, b)| (n.as_str(), b.clone())).collect();
-            let toml = scene(opacities.len(), 0, 64, &format!("{materials}{SKY}"));
+            let toml = scene(opacities.len(), 0, 1024, &format!("{materials}{SKY}"));
             let what = format!("{backend:?}, {opacities:?} by {way}");
             stage_bytes(&toml, &files, backend, &[]).statistics().expect(&what, exact, 0.0);
         }
@@ -128,6 +128,43 @@ fn lamps_with_holes() {
             let what = format!("{backend:?}, {lights}");
             stage_bytes(&toml, &files, backend, &[&set]).statistics().expect(&what, exact, 0.0);
         }
+    });
+}
+
+/// A lamp whose halves shine differently, by a picture: what each adds under the lamp's middle is half the form factor.
+/// The picture's mean is that of neither half, so a lamp chosen by it must be weighed by what is there.
+#[test]
+fn lamps_with_pictures() {
+    let lamp = "mtllib m.mtl\nusemtl lamp\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+                f 1/1 2/2 3/3 4/4\n";
+    let corner = {
+        let a = 1.0f64 / 2.0f64.sqrt();
+        4.0 / (2.0 * std::f64::consts::PI) * (2.0 * a * a.atan())
+    };
+    on_every_backend(|backend| {
+        for lights in ["mis", "light", "bsdf"] {
+            let files = vec![
+                ("s0.obj", b"mtllib m.mtl\nusemtl floor\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n".to_vec()),
+                ("s1.obj", lamp.as_bytes().to_vec()),
+                ("a.png", picture(2, &[[255; 3], [64; 3]])),
+                ("m.mtl", b"newmtl floor\nKd 1 1 1\nnewmtl lamp\nKd 0 0 0\n".to_vec()),
+            ];
+            let rest = "[materials.lamp]\nemission = { texture = \"a.png\", filter = \"nearest\", gain = 3 }\n";
+            let toml = scene(2, 1, 1024, rest).replace("height = 1\n", "height = 1e-4\n");
+            let toml = toml.replace("position = [0, 0, 5]", "position = [0, 0, 0.5]");
+            let set = format!("render.lights={lights}");
+            let exact = 3.0 * corner * 0.5 * (1.0 + 0.051_269_5);
+            let what = format!("{backend:?}, {lights}");
+            stage_bytes(&toml, &files, backend, &[&set]).statistics().expect(&what, exact, 1e-5);
+        }
+        // Seen: the codes, times the gain.
+        let files = [
+            ("s0.obj", sheets(&[0.0])[0].1.clone()),
+            ("a.png", picture(1, &[[188; 3]])),
+            ("m.mtl", b"newmtl m0\nKd 0 0 0\nKe 0 0 0\nmap_Ke a.png\n".to_vec()),
+        ];
+        let (image, _) = stage_bytes(&scene(1, 0, 4, ""), &files, backend, &[]).render(|_| ());
+        assert!(image.rgb_pixels().iter().flatten().all(|v| (v - 0.502886).abs() < 2e-6), "{backend:?}");
     });
 }
 

@@ -1,7 +1,7 @@
 //! `[camera]`: what the file says; what it leaves open is found when the meshes are known.
 
 use super::reader::{COORDINATE, Field, LENGTH, Section};
-use crate::camera::{Camera, CameraSpec, Projection, Window};
+use crate::camera::{Aperture, Camera, CameraSpec, Projection, Window};
 use crate::error::{Error, Result, unknown_word_advice};
 use crate::load::framing::{CameraPlan, Lens};
 use crate::math::DVec3;
@@ -9,7 +9,7 @@ use crate::math::DVec3;
 /// Reads the section.
 pub(super) fn read(mut camera: Section<'_>) -> Result<CameraPlan> {
     camera.not_yet(&["shutter"])?;
-    let projection = camera.read("type", |f| f.word(&["panorama"], projection))?;
+    let projection = camera.read("type", |f| f.word(&[], projection))?;
     let projection = projection.unwrap_or(Projection::Perspective);
     let position = camera.get("position");
     let look_at = camera.get("look_at");
@@ -20,7 +20,7 @@ pub(super) fn read(mut camera: Section<'_>) -> Result<CameraPlan> {
         look_at: look_at.as_ref().map(Field::point).transpose()?,
         up: up.as_ref().map(Field::point).transpose()?,
         lens: lens(&mut camera, projection)?,
-        aperture: camera.read("aperture", |f| f.number(0.0..=1e18))?.unwrap_or(0.0),
+        aperture: aperture(&mut camera)?,
         focus_distance: camera.read("focus_distance", |f| f.number(LENGTH))?,
     };
     camera.finish()?;
@@ -42,6 +42,7 @@ fn projection(word: &str) -> Result<Projection> {
     match word {
         "perspective" => Ok(Projection::Perspective),
         "orthographic" => Ok(Projection::Orthographic),
+        "panorama" => Ok(Projection::Panorama),
         _ => {
             let known: Vec<&str> = Projection::NAMES.iter().map(|n| n.0).collect();
             Err(Error::new(format!("unknown camera type \"{word}\""))
@@ -50,9 +51,28 @@ fn projection(word: &str) -> Result<Projection> {
     }
 }
 
+/// The opening of the lens. A rotation is counted in turns from here on.
+fn aperture(camera: &mut Section<'_>) -> Result<Aperture> {
+    let radius = camera.read("aperture", |f| f.number(0.0..=1e18))?.unwrap_or(0.0) as f32;
+    let blades = camera.read("blades", |f| match f.integer32(0..=64)? {
+        1 | 2 => Err(f.must_be("0 for a round opening, or 3 to 64 blades")),
+        blades => Ok(blades),
+    })?;
+    let rotation = camera.read("blade_rotation", |f| f.number(-36_000.0..=36_000.0))?.unwrap_or(0.0);
+    let rotation = (rotation / 360.0).rem_euclid(1.0) as f32;
+    Ok(Aperture { radius, blades: blades.unwrap_or(0), rotation })
+}
+
 /// `fov`, `plane` or `height`: one of them, and the one that the projection has.
 fn lens(camera: &mut Section<'_>, projection: Projection) -> Result<Lens> {
     let (fov, plane, height) = (camera.get("fov"), camera.get("plane"), camera.get("height"));
+    if let (Projection::Panorama, Some(field)) =
+        (projection, fov.as_ref().or(plane.as_ref()).or(height.as_ref()))
+    {
+        return Err(field
+            .error(format!("{} is not for the panorama camera", field.name()))
+            .advise("a panorama shows all directions"));
+    }
     match (projection, &fov, &plane, &height) {
         (_, Some(_), Some(plane), _) => Err(plane
             .error("camera.plane and camera.fov both set the picture's width")
@@ -107,7 +127,7 @@ fn check_view(
         look_at: target,
         up: plan.up.unwrap_or(DVec3::Y),
         window: CameraSpec::fov_window(40.0, [1, 1]),
-        aperture: 0.0,
+        aperture: Aperture::default(),
         focus_distance: 1.0,
     };
     match Camera::new(&spec, DVec3::ZERO) {

@@ -1,10 +1,13 @@
 //! `[[light]]`: lights that are no geometry.
 
-use super::reader::{Field, LIGHT, Section};
-use crate::error::{Error, Result, unknown_word_advice};
+use super::daylight::{self, SunSkyPlan};
+use super::reader::{Field, LIGHT, SHARE, Section};
+use crate::error::{Error, Result, show_path, unknown_word_advice};
 use crate::light::Light;
 use crate::load::auto::Sky;
+use crate::load::sky::{SkyPicture, is_picture};
 use crate::math::{DVec3, Rgb};
+use std::path::Path;
 
 /// A light in the file's own coordinates.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,8 +16,15 @@ pub(crate) enum LightPlan {
     Constant(Rgb),
     /// A built-in sky, brighter by a factor.
     Sky { sky: Sky, up: Option<DVec3>, scale: f32 },
+    /// A picture of all directions: brighter by a factor, turned by degrees.
+    Picture { picture: SkyPicture, scale: f32, rotate: f64, up: Option<DVec3> },
+    /// A sun and its sky.
+    SunSky(SunSkyPlan),
     /// A point.
     Point { position: DVec3, intensity: Rgb },
+    /// A point that shines into a cone around a unit direction; the cosines of its half angle and of where its edge
+    /// begins.
+    Spot { position: DVec3, direction: DVec3, cos_outer: f64, cos_inner: f64, intensity: Rgb },
     /// Parallel light; a unit direction.
     Directional { direction: DVec3, irradiance: Rgb },
     /// A spherical lamp.
@@ -26,15 +36,15 @@ pub(crate) enum LightPlan {
 impl LightPlan {
     /// True for light from infinitely far away.
     pub fn is_environment(&self) -> bool {
-        matches!(self, LightPlan::Constant(_) | LightPlan::Sky { .. })
+        matches!(self, Self::Constant(_) | Self::Sky { .. } | Self::Picture { .. } | Self::SunSky(_))
     }
 }
 
 /// Reads every light; at most one environment.
-pub(super) fn read_all(field: &Field<'_>) -> Result<Vec<LightPlan>> {
+pub(super) fn read_all(field: &Field<'_>, folder: &Path) -> Result<Vec<LightPlan>> {
     let mut lights: Vec<LightPlan> = Vec::new();
     for item in field.list("a list of tables, [[light]]")? {
-        let light = read(item.section()?, &item)?;
+        let light = read(item.section()?, &item, folder)?;
         if light.is_environment() && lights.iter().any(LightPlan::is_environment) {
             return Err(item.error("a second environment").advise("a scene has one; add their radiances up"));
         }
@@ -46,7 +56,9 @@ pub(super) fn read_all(field: &Field<'_>) -> Result<Vec<LightPlan>> {
 /// The kinds of light that a file may name.
 enum Kind {
     Environment,
+    SunSky,
     Point,
+    Spot,
     Directional,
     Sphere,
     Rectangle,
@@ -55,7 +67,9 @@ enum Kind {
 fn kind(word: &str) -> Result<Kind> {
     match word {
         "environment" => Ok(Kind::Environment),
+        "sun-sky" => Ok(Kind::SunSky),
         "point" => Ok(Kind::Point),
+        "spot" => Ok(Kind::Spot),
         "directional" => Ok(Kind::Directional),
         "sphere" => Ok(Kind::Sphere),
         "rectangle" => Ok(Kind::Rectangle),
@@ -66,9 +80,8 @@ fn kind(word: &str) -> Result<Kind> {
     }
 }
 
-fn read(mut light: Section<'_>, field: &Field<'_>) -> Result<LightPlan> {
-    const LATER: &[&str] = &["spot", "sun-sky"];
-    let kind = light.read("type", |f| f.word(LATER, kind))?;
+fn read(mut light: Section<'_>, field: &Field<'_>, folder: &Path) -> Result<LightPlan> {
+    let kind = light.read("type", |f| f.word(&[], kind))?;
     let kind = kind.ok_or_else(|| {
         field.error(format!("{} has no type", field.name())).advise("e.g. type = \"environment\"")
     })?;
@@ -79,7 +92,9 @@ fn read(mut light: Section<'_>, field: &Field<'_>) -> Result<LightPlan> {
         light.read(key, |f| f.color(LIGHT))?.ok_or_else(|| light.missing(field, key))
     };
     let plan = match kind {
-        Kind::Environment => environment(&mut light)?,
+        Kind::Environment => environment(&mut light, folder)?,
+        Kind::SunSky => LightPlan::SunSky(daylight::read(&mut light)?),
+        Kind::Spot => spot(&mut light, field)?,
         Kind::Point => LightPlan::Point {
             position: point(&mut light, "position")?,
             intensity: color(&mut light, "intensity")?,
@@ -110,11 +125,38 @@ fn read(mut light: Section<'_>, field: &Field<'_>) -> Result<LightPlan> {
     Ok(plan)
 }
 
-fn environment(light: &mut Section<'_>) -> Result<LightPlan> {
-    light.not_yet(&["file", "rotate"])?;
+/// Intensity on the axis; the edge takes the share `falloff` of the half angle.
+fn spot(light: &mut Section<'_>, field: &Field<'_>) -> Result<LightPlan> {
+    let position = light.read("position", |f| f.point())?.ok_or_else(|| light.missing(field, "position"))?;
+    let direction = light.read("direction", unit)?.ok_or_else(|| light.missing(field, "direction"))?;
+    let intensity =
+        light.read("intensity", |f| f.color(LIGHT))?.ok_or_else(|| light.missing(field, "intensity"))?;
+    let angle =
+        light.read("angle", |f| f.number(0.01..=180.0))?.ok_or_else(|| light.missing(field, "angle"))?;
+    let falloff = light.read("falloff", |f| f.number(SHARE))?.unwrap_or(0.25);
+    let cos = |degrees: f64| libm::cos(degrees.to_radians());
+    let (cos_outer, cos_inner) = (cos(angle), cos(angle * (1.0 - falloff)));
+    Ok(LightPlan::Spot { position, direction, cos_outer, cos_inner, intensity })
+}
+
+fn environment(light: &mut Section<'_>, folder: &Path) -> Result<LightPlan> {
     let radiance = light.read("radiance", |f| f.color(LIGHT))?;
     let scale = light.read("scale", |f| f.number(LIGHT))?.unwrap_or(1.0) as f32;
     let up = light.get("up");
+    let rotate = light.get("rotate");
+    if let Some(file) = light.get("file") {
+        if let Some(other) = light.get("sky").or(light.get("radiance")) {
+            return Err(other
+                .error(format!("{} and file exclude each other", other.name()))
+                .advise("scale makes a picture brighter"));
+        }
+        let rotate = rotate.map(|f| f.number(-36_000.0..=36_000.0)).transpose()?.unwrap_or(0.0);
+        let up = up.map(unit).transpose()?;
+        return Ok(LightPlan::Picture { picture: picture(&file, folder)?, scale, rotate, up });
+    }
+    if let Some(rotate) = rotate {
+        return Err(rotate.error(format!("{} goes with file", rotate.name())));
+    }
     let Some(sky) = light.get("sky") else {
         if let Some(up) = up {
             return Err(up.error(format!("{} goes with sky", up.name())));
@@ -124,11 +166,30 @@ fn environment(light: &mut Section<'_>) -> Result<LightPlan> {
     if radiance.is_some() {
         return Err(sky.error("sky and radiance exclude each other").advise("scale makes a sky brighter"));
     }
+    if is_picture(sky.text()?) {
+        return Err(sky
+            .error(format!("{} names a built-in sky", sky.name()))
+            .advise("a picture is given by file = \"…\""));
+    }
     Ok(LightPlan::Sky { sky: sky.word(&[], Sky::from_name)?, up: up.map(unit).transpose()?, scale })
 }
 
+/// Reads the picture that `file` names.
+fn picture(file: &Field<'_>, folder: &Path) -> Result<SkyPicture> {
+    let name = Path::new(file.text()?);
+    if name.as_os_str().is_empty() {
+        return Err(file.error(format!("{} is empty", file.name())).advise("e.g. file = \"sky.exr\""));
+    }
+    SkyPicture::read(&folder.join(name)).map_err(|why| {
+        let mut error = file.error(format!("{}: {}", show_path(&folder.join(name)), why.message));
+        let relative = "a relative path starts in the scene file's folder";
+        error.advice = why.advice.or_else(|| name.is_relative().then(|| relative.to_string()));
+        error
+    })
+}
+
 /// A direction of any length but zero.
-fn unit(field: Field<'_>) -> Result<DVec3> {
+pub(super) fn unit(field: Field<'_>) -> Result<DVec3> {
     let no_direction = || field.error(format!("{} has no direction", field.name()));
     field.point()?.try_normalize().ok_or_else(no_direction)
 }

@@ -4,6 +4,7 @@
 //! reading, one file a section, where an unknown key is an error with its line, column and a suggestion.
 
 mod camera;
+mod daylight;
 mod film;
 mod light;
 mod material;
@@ -25,8 +26,9 @@ pub(crate) use reader::Field;
 pub(crate) use tree::Entries;
 
 use super::framing::CameraPlan;
+use crate::camera::Projection;
 use crate::error::{Error, Findings, Result};
-use crate::scene::Settings;
+use crate::scene::{Quantity, Settings};
 use reader::Section;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -97,9 +99,14 @@ pub(crate) fn read<'t>(
         findings.push(finding);
     }
     let camera = top.read("camera", |f| camera::read(f.section()?))?.unwrap_or_default();
+    if camera.projection == Projection::Panorama && settings.quantity == Quantity::Flux {
+        return Err(Error::new("film.quantity = \"flux\" needs an image plane, and a panorama has none")
+            .at(file)
+            .advise("leave it out, or choose another camera"));
+    }
     let meshes = top.read("mesh", |f| mesh::read_all(&f, folder))?.unwrap_or_default();
     let materials = top.read("materials", |f| material::read_all(&f, folder))?.unwrap_or_default();
-    let lights = top.read("light", |f| light::read_all(&f))?.unwrap_or_default();
+    let lights = top.read("light", |f| light::read_all(&f, folder))?.unwrap_or_default();
     top.finish()?;
     Ok(Plan { settings, findings, camera, meshes, materials, lights })
 }

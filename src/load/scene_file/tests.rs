@@ -79,7 +79,7 @@ intensity = [1, 2, 3]
         assert_eq!(plan.camera.projection, Projection::Orthographic);
         assert_eq!(plan.camera.position, Some(DVec3::new(1.0, 2.0, 3.0)));
         assert_eq!(plan.camera.lens, Lens::Height(2.5));
-        assert_eq!((plan.camera.aperture, plan.camera.focus_distance), (0.25, Some(3.0)));
+        assert_eq!((plan.camera.aperture.radius, plan.camera.focus_distance), (0.25, Some(3.0)));
         let s = &plan.settings;
         assert_eq!((s.size, s.crop), ([320, 200], Some([10, 20, 30, 40])));
         assert_eq!(s.filter, Filter::Gaussian { sigma: 0.5, radius: 2.0 });
@@ -213,7 +213,8 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         ("[camera]\nfov = nan", 2, 7, &["not NaN"]),
         ("[camera]\nheight = 1", 2, 10, &["orthographic"]),
         ("[camera]\nshutter = [0, 1]", 2, 11, &["not supported by this version"]),
-        ("[camera]\ntype = \"panorama\"", 2, 8, &["not supported by this version"]),
+        ("[camera]\ntype = \"panorama\"\nfov = 40", 3, 7, &["not for the panorama"]),
+        ("[camera]\nblades = 2", 2, 10, &["3 to 64 blades"]),
         ("[camera]\nposition = [1, 1, 1]\nlook_at = [1, 1, 1]", 2, 12, &["same point"]),
         ("[camera]\nup = [0, 0, 2]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]", 2, 6, &["parallel"]),
         ("[camera]\nlook_at = [0, 0, 0]", 2, 11, &["without camera.position"]),
@@ -237,7 +238,12 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         ("[materials.x]\ntype = \"diffuse\"\nroughness = 0.5", 3, 13, &["no key of a diffuse material"]),
         ("[materials.x]\ntype = \"conductor\"\neta = 1", 3, 7, &["needs k"]),
         ("[materials.x]\ntype = \"conductor\"\nmetal = \"gould\"", 3, 9, &["did you mean \"gold\"?"]),
-        ("[[light]]\ntype = \"spot\"", 2, 8, &["not supported by this version"]),
+        ("[[light]]\ntype = \"spot\"", 1, 1, &["no position"]),
+        ("[[light]]\ntype = \"sun-sky\"\nturbidity = 1", 3, 13, &["from 2 to 10"]),
+        ("[[light]]\ntype = \"sun-sky\"\nazimuth = 1\ndirection = [0, 1, 0]", 4, 13, &["both place the sun"]),
+        ("[[light]]\ntype = \"environment\"\nfile = \"no.exr\"", 3, 8, &["no.exr", "No such file"]),
+        ("[[light]]\ntype = \"environment\"\nsky = \"a.hdr\"", 3, 7, &["given by file"]),
+        ("[[light]]\ntype = \"environment\"\nrotate = 9", 3, 10, &["goes with file"]),
         ("[[light]]\ntype = \"point\"\nposition = [0, 0, 0]", 1, 1, &["no intensity"]),
         (
             "[[light]]\ntype = \"environment\"\n[[light]]\ntype = \"environment\"",

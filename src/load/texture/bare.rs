@@ -1,7 +1,7 @@
 //! Triangles without texture coordinates show no pictures.
 
 use super::build::material;
-use crate::bsdf::{Maps, Material};
+use crate::bsdf::{Maps, Material, Mix};
 use crate::error::{Finding, Findings, Severity};
 use crate::load::materials::MaterialSpec;
 use crate::shape::{FaceMaterials, Mesh};
@@ -16,54 +16,97 @@ pub(super) fn separate(
     materials: &mut Vec<Material>,
     findings: &mut Findings,
 ) {
-    let pictured: Vec<bool> =
-        materials.iter().map(|m| m.maps.as_deref().is_some_and(Maps::have_pictures)).collect();
+    let pictured = pictured(materials);
     if !pictured.contains(&true) {
         return;
     }
-    // Twins and the number of their triangles by material.
-    let mut twins: BTreeMap<u32, (u32, u64)> = BTreeMap::new();
-    for i in 0..meshes.len() {
-        let Some(mesh) = meshes.get(i).cloned() else { continue };
-        let is_bare = |t: usize| {
-            let id = mesh.materials.get(t) as usize;
-            pictured.get(id) == Some(&true) && mesh.triangle_uvs(t).is_none()
-        };
-        if !(0..mesh.indices.len()).any(is_bare) {
-            continue;
-        }
-        let mut ids: Vec<u32> = (0..mesh.indices.len()).map(|t| mesh.materials.get(t)).collect();
-        for (_, id) in ids.iter_mut().enumerate().filter(|(t, _)| is_bare(*t)) {
-            let next = (materials.len() + twins.len()) as u32;
-            let twin = twins.entry(*id).or_insert((next, 0));
-            (*id, twin.1) = (twin.0, twin.1 + 1);
-        }
-        let mut own = Mesh::clone(&mesh);
-        own.materials = match ids.first() {
-            Some(first) if ids.iter().all(|id| id == first) => FaceMaterials::Uniform(*first),
-            _ => FaceMaterials::PerFace(ids),
-        };
-        let own = Arc::new(own);
-        // Placed several times, it is one mesh still.
-        for other in meshes.iter_mut().skip(i).filter(|other| Arc::ptr_eq(other, &mesh)) {
-            *other = own.clone();
+    let is_bare = |mesh: &Mesh, t: usize| {
+        pictured.get(mesh.materials.get(t) as usize) == Some(&true) && mesh.triangle_uvs(t).is_none()
+    };
+    let mut counts: BTreeMap<u32, u64> = BTreeMap::new();
+    for mesh in meshes.iter() {
+        for t in (0..mesh.indices.len()).filter(|t| is_bare(mesh, *t)) {
+            *counts.entry(mesh.materials.get(t)).or_default() += 1;
         }
     }
-    let mut in_order: Vec<(u32, u32, u64)> = twins.into_iter().map(|(id, (twin, n))| (twin, id, n)).collect();
-    in_order.sort_unstable();
-    for (_, id, triangles) in in_order {
+    if counts.is_empty() {
+        return;
+    }
+    let twins = add_twins(specs, &counts, &pictured, materials);
+    for (id, triangles) in counts {
+        if let Some(spec) = specs.get(id as usize) {
+            findings.push(warning(spec, triangles));
+        }
+    }
+    for i in 0..meshes.len() {
+        let Some(mesh) = meshes.get(i).cloned() else { continue };
+        let count = mesh.indices.len();
+        if !(0..count).any(|t| is_bare(&mesh, t)) {
+            continue;
+        }
+        let id = |t: usize| mesh.materials.get(t);
+        let ids = (0..count)
+            .map(|t| if is_bare(&mesh, t) { twins.get(&id(t)).copied() } else { None }.unwrap_or(id(t)));
+        let mut own = Mesh::clone(&mesh);
+        own.materials = FaceMaterials::PerFace(ids.collect());
+        let own = Arc::new(own);
+        // Placed several times, it is one mesh still.
+        meshes
+            .iter_mut()
+            .skip(i)
+            .filter(|other| Arc::ptr_eq(other, &mesh))
+            .for_each(|other| *other = own.clone());
+    }
+}
+
+/// By material: whether it, or a part that it is mixed of, has pictures. Parts come before the mixture.
+fn pictured(materials: &[Material]) -> Vec<bool> {
+    let mut pictured: Vec<bool> = Vec::with_capacity(materials.len());
+    for m in materials {
+        let part = |id: &u32| pictured.get(*id as usize) == Some(&true);
+        let mixed = m.mix.is_some_and(|mix| mix.parts.iter().any(part));
+        pictured.push(mixed || m.maps.as_deref().is_some_and(Maps::have_pictures));
+    }
+    pictured
+}
+
+/// Adds the twins of the materials in `counts` and of their parts, parts first; twins by the originals' ids.
+fn add_twins(
+    specs: &[MaterialSpec],
+    counts: &BTreeMap<u32, u64>,
+    pictured: &[bool],
+    materials: &mut Vec<Material>,
+) -> BTreeMap<u32, u32> {
+    let mut needed: BTreeMap<u32, ()> = counts.keys().map(|id| (*id, ())).collect();
+    for id in (0..specs.len() as u32).rev().filter(|id| pictured.get(*id as usize) == Some(&true)) {
+        let mix = materials.get(id as usize).and_then(|m| m.mix);
+        if let (true, Some(mix)) = (needed.contains_key(&id), mix) {
+            needed.extend(mix.parts.map(|part| (part, ())));
+        }
+    }
+    let mut twins = BTreeMap::new();
+    for id in needed.into_keys() {
         let Some(spec) = specs.get(id as usize) else { continue };
-        materials.push(material(spec, None));
-        let stated = spec.maps.first().map(|map| &map.stated);
-        findings.push(Finding {
-            file: stated.map(|stated| stated.file.clone()).unwrap_or_default(),
-            line: stated.map_or(0, |stated| stated.line),
-            kind: "texture-without-coordinates",
-            message: format!(
-                "material \"{}\" has textures, and {triangles} of its triangles have no texture coordinates: they show constants",
-                spec.name
-            ),
-            severity: Severity::Warning,
-        });
+        let mut twin = material(spec, None);
+        twin.mix = twin
+            .mix
+            .map(|mix| Mix { parts: mix.parts.map(|part| twins.get(&part).copied().unwrap_or(part)), ..mix });
+        twins.insert(id, materials.len() as u32);
+        materials.push(twin);
+    }
+    twins
+}
+
+fn warning(spec: &MaterialSpec, triangles: u64) -> Finding {
+    let stated = spec.maps.first().map(|map| &map.stated);
+    let name = &spec.name;
+    Finding {
+        file: stated.map(|stated| stated.file.clone()).unwrap_or_default(),
+        line: stated.map_or(0, |stated| stated.line),
+        kind: "texture-without-coordinates",
+        message: format!(
+            "material \"{name}\" has textures, and {triangles} of its triangles have no texture coordinates: they show constants"
+        ),
+        severity: Severity::Warning,
     }
 }

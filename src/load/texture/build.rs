@@ -109,15 +109,14 @@ fn do_without(spec: &MapSpec, material: &mut Material) {
 /// Whether a picture holds normals: bluish on average, and nearly all texels unit vectors. Many exporters name normal
 /// maps with `map_Bump`, which has no other word for them.
 fn looks_like_normals(texels: &Texels) -> bool {
-    let (mut count, mut unit, mut sum) = (0u32, 0u32, [0.0f64; 3]);
+    let (mut count, mut unit, mut outwards) = (0u32, 0u32, 0.0f32);
     let [width, height] = texels.size().map(|n| n as usize);
     let step = (width * height / 4096).max(1);
     for [r, g, b, _] in texels.pixels(Transfer::Linear).step_by(step) {
-        let [x, y, z] = [r, g, b].map(|c| f64::from(2.0 * c - 1.0));
+        let [x, y, z] = [r, g, b].map(|c| 2.0 * c - 1.0);
         count += 1;
         unit += u32::from(((x * x + y * y + z * z).sqrt() - 1.0).abs() < 0.15);
-        sum = [sum[0] + x, sum[1] + y, sum[2] + z];
+        outwards += z;
     }
-    let [x, y, z] = sum.map(|s| s / f64::from(count.max(1)));
-    unit * 10 >= count * 9 && z > 0.5 && x.abs() < 0.3 && y.abs() < 0.3
+    unit * 10 >= count * 9 && outwards > 0.5 * count as f32
 }

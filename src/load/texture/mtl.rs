@@ -224,6 +224,8 @@ impl Use<'_> {
             scale, offset, bump_multiplier, clamp, base_gain: [base, gain], channel, ..
         } = &self.texture.value.options;
         let (mut slot, mut channel) = (meaning.slot, channel.map(part));
+        // What is said of the colour is not said of its alpha.
+        let (base, gain) = if slot == Slot::Alpha { (0.0, 1.0) } else { (*base, *gain) };
         match &mut slot {
             Slot::Height { height, .. } => *height *= bump_multiplier,
             Slot::Normal(strength) => *strength *= bump_multiplier,
@@ -239,8 +241,8 @@ impl Use<'_> {
             scale: [scale[0], scale[1]],
             offset: [offset[0], offset[1]],
             channel,
-            gain: meaning.factor * *gain,
-            base: meaning.factor * *base,
+            gain: meaning.factor * gain,
+            base: meaning.factor * base,
             ..Mapping::plain(meaning.transfer)
         };
         MapSpec { slot, source: self.source.clone(), mapping, fallback: meaning.fallback, stated }

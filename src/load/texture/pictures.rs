@@ -1,7 +1,7 @@
 //! Every picture is decoded once, in parallel, and only if its header promises to fit.
 
 use super::{MapSpec, Stated};
-use crate::error::{Finding, Findings, Result, Severity};
+use crate::error::{Finding, Findings, Result, Severity, show_path};
 use crate::load::cancelled;
 use crate::load::picture::texels::{Probe, Trouble, probe, texels};
 use crate::texture::Texels;
@@ -53,7 +53,9 @@ pub(super) fn load<'m>(
                 note(findings, stated, "texture-limit", &message);
             }
             Err(Trouble::Unreadable(_)) if !path.exists() => {
-                note(findings, stated, "texture-missing", "the file was not found");
+                // Only a scene file's own path comes here; an MTL's names are looked for before.
+                let message = format!("the file {} was not found", show_path(path));
+                note(findings, stated, "texture-missing", &message);
             }
             Err(trouble) => {
                 note(findings, stated, "texture-unreadable", &format!("the file {}", trouble.message()));

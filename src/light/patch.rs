@@ -1,0 +1,278 @@
+//! Emissive triangles, and the rectangles that two of them make: points on them by solid angle where they are near, by
+//! area where they are far.
+
+use super::bounds::{Cone, LightBounds};
+use crate::math::solid_angle::{Rectangle, SphericalRectangle, SphericalTriangle};
+use crate::math::{Aabb, Vec3, warp};
+use crate::shape::Mesh;
+use crate::shape::surface::ROUNDING;
+
+/// A light made of triangles.
+#[derive(Clone, Copy, Debug)]
+pub enum Patch {
+    /// One triangle.
+    Triangle {
+        /// Its corners.
+        corners: [Vec3; 3],
+        /// Unit normal, on the side the winding says.
+        ng: Vec3,
+    },
+    /// Two triangles of a mesh that share a diagonal.
+    Rectangle(Rectangle),
+}
+
+/// A point on a patch.
+#[derive(Clone, Copy, Debug)]
+pub struct PatchPoint {
+    /// The point.
+    pub p: Vec3,
+    /// Every component of `p` is within this of the true point.
+    pub error: f32,
+    /// Unit normal.
+    pub ng: Vec3,
+    /// Density per solid angle, where the point was chosen by it.
+    pub by_solid_angle: Option<f32>,
+}
+
+/// By solid angle up to this distance, squared, in squares of the patch's longest extent. Farther away cos θ/d² hardly
+/// varies over the patch, and the density by area costs next to nothing. (Cornell box: see tests/README.md.)
+const NEAR: f32 = 4.0;
+/// Smaller solid angles are left to sampling by area: they come from grazing views, where their digits are few.
+const SMALLEST: [f32; 2] = [1e-4, 5e-3];
+
+impl Patch {
+    /// Triangle `t` of a mesh, or the rectangle that it makes with its successor.
+    pub fn new(mesh: &Mesh, t: usize, with_next: bool) -> Option<Patch> {
+        if with_next {
+            return rectangle(mesh, t).map(Patch::Rectangle);
+        }
+        let corners = mesh.triangle(t);
+        let [a, b, c] = corners.map(|p| p.as_dvec3());
+        let ng = (b - a).cross(c - a).try_normalize()?.as_vec3();
+        Some(Patch::Triangle { corners, ng })
+    }
+
+    /// Area in m².
+    pub fn area(&self) -> f64 {
+        match self {
+            Patch::Triangle { corners, .. } => {
+                let [a, b, c] = corners.map(|p| p.as_dvec3());
+                0.5 * (b - a).cross(c - a).length()
+            }
+            Patch::Rectangle(r) => f64::from(r.lengths[0]) * f64::from(r.lengths[1]),
+        }
+    }
+
+    /// Where it is and where it shines; `radiance`: its luminance.
+    pub fn bounds(&self, radiance: f32, two_sided: bool) -> LightBounds {
+        let (bounds, axis) = match self {
+            Patch::Triangle { corners, ng } => (corners.iter().fold(Aabb::EMPTY, |b, p| b.grow(*p)), *ng),
+            Patch::Rectangle(Rectangle { corner, edges: [u, v], axes, .. }) => {
+                let corners = [*corner, *corner + *u, *corner + *v, *corner + *u + *v];
+                (corners.iter().fold(Aabb::EMPTY, |b, p| b.grow(*p)), axes[2])
+            }
+        };
+        let cone = Cone { axis, cos_normals: 1.0, cos_light: 0.0 };
+        LightBounds { bounds, cone, two_sided, strength: (f64::from(radiance) * self.area()) as f32 }
+    }
+
+    /// A point of it for a receiver at `from`.
+    #[inline(always)]
+    pub fn sample(&self, from: Vec3, u: [f32; 2]) -> PatchPoint {
+        match self {
+            Patch::Triangle { corners, ng } => {
+                let (b, by_solid_angle) = match near_triangle(corners, from) {
+                    Some(seen) => (weights(corners, from, seen.sample(u)), Some(1.0 / seen.solid_angle)),
+                    None => (warp::triangle(u), None),
+                };
+                let w = 1.0 - b[0] - b[1];
+                let p = corners[0] * w + corners[1] * b[0] + corners[2] * b[1];
+                let size = corners[0].abs().max(corners[1].abs()).max(corners[2].abs());
+                PatchPoint { p, error: ROUNDING * size.max_element(), ng: *ng, by_solid_angle }
+            }
+            Patch::Rectangle(r) => {
+                let ([a, b], by_solid_angle) = match near_rectangle(r, from) {
+                    Some(seen) => (seen.sample(u), Some(1.0 / seen.solid_angle)),
+                    None => (u, None),
+                };
+                let (along, across) = (r.edges[0] * a, r.edges[1] * b);
+                let size = r.corner.abs() + along.abs() + across.abs();
+                let error = ROUNDING * size.max_element();
+                PatchPoint { p: r.corner + along + across, error, ng: r.axes[2], by_solid_angle }
+            }
+        }
+    }
+
+    /// The density with which [`Patch::sample`] would have chosen a point at `distance_squared` from `from`, whose normal
+    /// is seen there under the cosine `cos`; `sampled`: the density that sampling the point gave, if by solid angle.
+    #[inline(always)]
+    pub fn pdf(&self, from: Vec3, distance_squared: f32, cos: f32) -> f32 {
+        let solid_angle = match self {
+            Patch::Triangle { corners, .. } => near_triangle(corners, from).map(|seen| seen.solid_angle),
+            Patch::Rectangle(r) => near_rectangle(r, from).map(|seen| seen.solid_angle),
+        };
+        solid_angle.map_or_else(|| self.pdf_by_area(distance_squared, cos), |s| 1.0 / s)
+    }
+
+    /// d²/(A·cos θ).
+    #[inline(always)]
+    pub fn pdf_by_area(&self, distance_squared: f32, cos: f32) -> f32 {
+        let area = match self {
+            Patch::Triangle { corners: [a, b, c], .. } => 0.5 * (*b - *a).cross(*c - *a).length(),
+            Patch::Rectangle(r) => r.lengths[0] * r.lengths[1],
+        };
+        distance_squared / (area * cos)
+    }
+}
+
+/// The triangle as `from` sees it, where it is sampled by solid angle.
+#[inline(always)]
+fn near_triangle(corners: &[Vec3; 3], from: Vec3) -> Option<SphericalTriangle> {
+    let [a, b, c] = *corners;
+    let middle = (a + b + c) * (1.0 / 3.0);
+    let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+    if (middle - from).length_squared() > NEAR * longest {
+        return None;
+    }
+    SphericalTriangle::new([a - from, b - from, c - from]).filter(|seen| seen.solid_angle > SMALLEST[0])
+}
+
+/// The rectangle as `from` sees it, where it is sampled by solid angle.
+#[inline(always)]
+fn near_rectangle(r: &Rectangle, from: Vec3) -> Option<SphericalRectangle> {
+    let middle = r.corner + (r.edges[0] + r.edges[1]) * 0.5;
+    let diagonal = r.lengths[0] * r.lengths[0] + r.lengths[1] * r.lengths[1];
+    if (middle - from).length_squared() > NEAR * diagonal {
+        return None;
+    }
+    Some(r.seen_from(from)).filter(|seen| seen.solid_angle > SMALLEST[1])
+}
+
+/// Barycentric weights of the second and third corner where a ray from `o` along `d` meets the triangle (Möller and
+/// Trumbore 1997), within it whatever rounding does.
+#[inline(always)]
+fn weights([a, b, c]: &[Vec3; 3], o: Vec3, d: Vec3) -> [f32; 2] {
+    let (e1, e2) = (*b - *a, *c - *a);
+    let s1 = d.cross(e2);
+    let divisor = s1.dot(e1);
+    if divisor == 0.0 {
+        return [1.0 / 3.0; 2];
+    }
+    let s = o - *a;
+    let (u, v) = (s.dot(s1) / divisor, d.dot(s.cross(e1)) / divisor);
+    let (u, v) = (u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
+    let scale = 1.0 / (u + v).max(1.0);
+    [u * scale, v * scale]
+}
+
+/// Sides and angles of a rectangle may be off by this share, what rounding leaves of a turned one.
+const SQUARE: f32 = 1e-5;
+
+/// The rectangle that triangle `t` and the next one make: they share two corners, wind alike, and the other two corners
+/// make right angles.
+fn rectangle(mesh: &Mesh, t: usize) -> Option<Rectangle> {
+    let (first, second) = (mesh.triangle(t), mesh.triangle(t + 1));
+    let alone = |own: &[Vec3; 3], other: &[Vec3; 3]| {
+        let mut lonely = (0..3).filter(|i| !other.contains(&own[*i]));
+        let i = lonely.next()?;
+        lonely.next().is_none().then_some(i)
+    };
+    let (i, j) = (alone(&first, &second)?, alone(&second, &first)?);
+    let corner = first[i];
+    let edges = [first[(i + 1) % 3] - corner, first[(i + 2) % 3] - corner];
+    let opposite = second[j];
+    // Wound alike, the shared edge runs the other way.
+    if second[(j + 1) % 3] != first[(i + 2) % 3] {
+        return None;
+    }
+    let size = edges[0].length().max(edges[1].length());
+    let is_parallelogram = (corner + edges[0] + edges[1] - opposite).length() <= SQUARE * size;
+    let is_square = edges[0].dot(edges[1]).abs() <= SQUARE * edges[0].length() * edges[1].length();
+    let has_area = edges[0].cross(edges[1]).length_squared() > 0.0;
+    (is_parallelogram && is_square && has_area).then(|| Rectangle::new(corner, edges))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn quad(points: [[f32; 3]; 4], indices: [[u32; 3]; 2]) -> Mesh {
+        Mesh::new(points.to_vec(), indices.to_vec())
+    }
+
+    const SQUARE_POINTS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+
+    #[test]
+    fn two_triangles_make_a_rectangle_when_they_do() {
+        for indices in
+            [[[0, 1, 2], [0, 2, 3]], [[1, 2, 0], [3, 0, 2]], [[0, 1, 3], [1, 2, 3]], [[2, 0, 1], [2, 3, 0]]]
+        {
+            let r = rectangle(&quad(SQUARE_POINTS, indices), 0).unwrap();
+            assert!((r.axes[2] - Vec3::Z).length() < 1e-6, "{indices:?}");
+            assert_eq!(r.lengths[0] * r.lengths[1], 2.0);
+        }
+        let not = |points, indices| assert!(rectangle(&quad(points, indices), 0).is_none(), "{indices:?}");
+        not(SQUARE_POINTS, [[0, 1, 2], [0, 3, 2]]); // wound against each other
+        not(SQUARE_POINTS, [[0, 1, 2], [0, 1, 2]]);
+        let mut points = SQUARE_POINTS;
+        points[3] = [0.0, 1.01, 0.0];
+        not(points, [[0, 1, 2], [0, 2, 3]]);
+        points[3] = [0.0, 1.0, 0.01];
+        not(points, [[0, 1, 2], [0, 2, 3]]);
+        let sheared = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.5, 1.0, 0.0], [0.5, 1.0, 0.0]];
+        not(sheared, [[0, 1, 2], [0, 2, 3]]);
+    }
+
+    /// Directions to sampled points, counted in cells of the patch, against ∫pdf dω over the cells (chi-square); near,
+    /// far and on the border between the two rules.
+    #[test]
+    fn points_are_chosen_with_their_density() {
+        let mesh = quad(SQUARE_POINTS, [[0, 1, 2], [0, 2, 3]]);
+        for patch in [Patch::new(&mesh, 0, false).unwrap(), Patch::new(&mesh, 0, true).unwrap()] {
+            for from in [
+                Vec3::new(0.3, 0.4, 0.2),
+                Vec3::new(1.0, 0.5, 1.5),
+                Vec3::new(-1.0, 3.0, 0.7),
+                Vec3::new(4.0, 4.0, -3.0),
+                Vec3::new(9.0, -9.0, 20.0),
+                Vec3::new(-3.0, 0.5, 0.01),
+            ] {
+                const CELLS: usize = 6;
+                let mut expected = [0.0f64; CELLS * CELLS];
+                let mut counts = [0.0f64; CELLS * CELLS];
+                let cell = |p: Vec3| {
+                    let i = |x: f32| ((x * CELLS as f32) as usize).min(CELLS - 1);
+                    i(p.y) * CELLS + i(0.5 * p.x)
+                };
+                let fine = 600;
+                for i in 0..fine * fine {
+                    let u = [(i % fine) as f32, (i / fine) as f32].map(|x| (x + 0.5) / fine as f32);
+                    let p = Vec3::new(2.0 * u[0], u[1], 0.0);
+                    if matches!(patch, Patch::Triangle { .. }) && u[1] > u[0] {
+                        continue;
+                    }
+                    let to = p - from;
+                    let (d2, cos) = (to.length_squared(), to.z.abs() / to.length());
+                    let pdf = patch.pdf(from, d2, cos);
+                    expected[cell(p)] += f64::from(pdf * cos / d2) * 2.0 / f64::from(fine * fine);
+                }
+                let total: f64 = expected.iter().sum();
+                assert!((total - 1.0).abs() < 1e-2, "{from}: {total}");
+                let n = 400;
+                for i in 0..n * n {
+                    let u = [(i % n) as f32, (i / n) as f32].map(|x| (x + 0.5) / n as f32);
+                    let point = patch.sample(from, u);
+                    let to = point.p - from;
+                    let (d2, cos) = (to.length_squared(), to.z.abs() / to.length());
+                    if let Some(pdf) = point.by_solid_angle {
+                        assert_eq!(pdf, patch.pdf(from, d2, cos));
+                    }
+                    counts[cell(point.p)] += 1.0 / f64::from(n * n);
+                }
+                for (count, expected) in counts.iter().zip(expected) {
+                    assert!((count - expected).abs() < 2e-3 + 0.03 * expected, "{from}: {count} {expected}");
+                }
+            }
+        }
+    }
+}
