@@ -144,12 +144,17 @@ fn lamps_with_pictures() {
     on_every_backend(|backend| {
         for lights in ["mis", "light", "bsdf"] {
             let files = vec![
-                ("s0.obj", b"mtllib m.mtl\nusemtl floor\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n".to_vec()),
+                (
+                    "s0.obj",
+                    b"mtllib m.mtl\nusemtl floor\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n"
+                        .to_vec(),
+                ),
                 ("s1.obj", lamp.as_bytes().to_vec()),
                 ("a.png", picture(2, &[[255; 3], [64; 3]])),
                 ("m.mtl", b"newmtl floor\nKd 1 1 1\nnewmtl lamp\nKd 0 0 0\n".to_vec()),
             ];
-            let rest = "[materials.lamp]\nemission = { texture = \"a.png\", filter = \"nearest\", gain = 3 }\n";
+            let rest =
+                "[materials.lamp]\nemission = { texture = \"a.png\", filter = \"nearest\", gain = 3 }\n";
             let toml = scene(2, 1, 1024, rest).replace("height = 1\n", "height = 1e-4\n");
             let toml = toml.replace("position = [0, 0, 5]", "position = [0, 0, 0.5]");
             let set = format!("render.lights={lights}");
