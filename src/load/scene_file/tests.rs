@@ -246,6 +246,12 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         ("[materials.x]\ntype = \"diffuse\"\nior = { texture = \"a.png\" }", 3, 7, &["no key of a diffuse"]),
         ("[materials.x]\nopacity = 1.5", 2, 11, &["0 to 1"]),
         ("[materials.x]\ntype = \"diffuse\"\nexponent = 5", 3, 12, &["no key of a diffuse material"]),
+        (
+            "[materials.x]\ntype = \"principled\"\nreflectance = 1",
+            3,
+            15,
+            &["no key of a principled material"],
+        ),
         ("[materials.x]\ntype = \"conductor\"\neta = 1", 3, 7, &["needs k"]),
         ("[materials.x]\ntype = \"conductor\"\nmetal = \"gould\"", 3, 9, &["did you mean \"gold\"?"]),
         ("[[light]]\ntype = \"spot\"", 1, 1, &["no position"]),
