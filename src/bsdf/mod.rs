@@ -101,6 +101,10 @@ pub struct Delta {
 }
 
 /// The models.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "materials are few, and a box would be allocated at every textured hit"
+)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Bsdf {
     /// Lambert's law.

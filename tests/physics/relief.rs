@@ -74,6 +74,15 @@ fn the_cosine_is_that_of_the_turned_normal() {
                 (0.6 * nx + 0.8 * nz) / length,
             ),
             (
+                "mirrored, up, from above right",
+                &mirrored,
+                &up,
+                key(map),
+                "",
+                [0.0, -0.6, -0.8],
+                (0.6 * nx + 0.8 * nz) / length,
+            ),
+            (
                 "no strength",
                 SQUARE,
                 &to_the_right,
