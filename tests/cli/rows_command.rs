@@ -44,8 +44,13 @@ fn flags() -> Vec<String> {
 /// listed here as meant.
 #[test]
 fn c2_every_flag_refuses_nonsense_and_names_itself() {
-    const MEANT: &[(&str, &str)] =
-        &[("--seed", "0"), ("--max-depth", "0"), ("--exposure", "0"), ("--exposure", "-1")];
+    const MEANT: &[(&str, &str)] = &[
+        ("--seed", "0"),
+        ("--max-depth", "0"),
+        ("--exposure", "0"),
+        ("--exposure", "-1"),
+        ("--max-texture-bytes", "0"), // no picture at all
+    ];
     for flag in flags() {
         for value in
             ["0", "-1", "nan", "inf", "1000000000000000000000000000000", "", "text", "٣", "1,0", "1e999"]
