@@ -57,13 +57,12 @@ pub fn build(
     isa: Option<Isa>,
     hooks: &Hooks<'_>,
 ) -> Result<Box<dyn Intersector>> {
-    let samples = u64::from(settings.size[0]) * u64::from(settings.size[1]) * u64::from(settings.spp);
     let progress = |share: f64| {
         (hooks.progress)(Progress::Build(share));
         !(hooks.stop)()
     };
     let options = BuildOptions {
-        quality: settings.build.resolve(scene.triangles(), samples),
+        quality: settings.build.resolve(scene.triangles(), settings.size, settings.spp),
         compact: settings.compact.resolve(|| settings.backend.is_memory_short(scene.triangles())),
         isa,
         threads: rayon::current_num_threads(),
@@ -254,7 +253,6 @@ fn touched_tiles([x, y, w, h]: [u32; 4]) -> Vec<[u32; 2]> {
 /// The `drt` attribute: canonical JSON with sorted keys of everything that the picture's bits depend on.
 /// No threads, paths, host, time or command line.
 fn settings_json(s: &Settings, accel: &dyn Intersector, scene: &Scene, samples: (u32, u32)) -> String {
-    let samples_of_image = u64::from(s.size[0]) * u64::from(s.size[1]) * u64::from(s.spp);
     let parameters = s.filter.parameters().into_iter().map(|(name, value)| (name.to_string(), json!(value)));
     let kind = ("type".to_string(), json!(s.filter.name()));
     let filter: serde_json::Map<String, serde_json::Value> = parameters.chain([kind]).collect();
@@ -277,7 +275,7 @@ fn settings_json(s: &Settings, accel: &dyn Intersector, scene: &Scene, samples: 
             "sampler": s.sampler.name(),
             "backend": s.backend.name(),
             "isa": accel.isa(),
-            "build": s.build.resolve(scene.triangles(), samples_of_image).name(),
+            "build": s.build.resolve(scene.triangles(), s.size, s.spp).name(),
             "compact": accel.compact(),
         },
         "samples_done": { "min": samples.0, "max": samples.1 },
