@@ -1,6 +1,6 @@
 //! Every triangle near a ray, measured in f64: the judge's own way to find them, shared with no backend.
 //!
-//! What the ray's line passes by more than the tolerance is left out by a tree of boxes ([`tree`]); that is all there is
+//! What the ray's line passes by more than the tolerance is left out by a tree of boxes (`scan/tree.rs`); that is all there is
 //! to trust.
 
 mod pieces;

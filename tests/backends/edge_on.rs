@@ -89,6 +89,26 @@ fn nothing_behind_the_triangles_around_is_taken() {
     nobody_is_wrong(mesh, &[(o, Vec3::new(-50.291595, 595.1253, -543.71094), 0.0, f32::INFINITY)]);
 }
 
+/// A ray past the tip of a pair of tiny triangles, both seen edge-on: next to the one that Embree meets first lies the other,
+/// so that a step aside finds nothing better. What both hide is clearly met.
+#[test]
+fn a_pair_of_tiny_triangles_seen_edge_on_hides_nothing() {
+    let corners = [
+        [-0.398769, 0.581086, 0.704199],
+        [-0.401392, 0.580482, 0.704062],
+        [-0.398785, 0.57813, 0.704227],
+        [0.014684, 0.03086, -0.013434],
+        [0.014675, 0.030861, -0.013439],
+        [0.016035, 0.029052, -0.015803],
+        [0.016032, 0.029051, -0.015804],
+        [0.01603, 0.029051, -0.015806],
+    ];
+    let mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [3, 6, 5], [4, 7, 6]]);
+    let o = Vec3::new(0.4200039207935333, -0.5078555345535278, -0.7167717218399048);
+    let d = Vec3::new(-0.41604647040367126, 0.5529489517211914, 0.7219091057777405);
+    nobody_is_wrong(mesh, &[(o, d, 0.0, f32::INFINITY)]);
+}
+
 /// Packets and single rays, every instruction set and quality, against f64.
 fn nobody_is_wrong(mesh: Mesh, rays: &[Ray]) {
     let meshes = one(mesh);

@@ -123,6 +123,9 @@ impl Builder<'_> {
         if whole.len <= SUBTREE {
             let mut part = Part::default();
             self.grow_alone(refs, whole, &mut part);
+            // Until they are joined there are thousands of parts.
+            part.nodes.shrink_to_fit();
+            part.spans.shrink_to_fit();
             self.progress.report(whole.len)?;
             return Ok(Tree::Part(part));
         }

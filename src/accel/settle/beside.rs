@@ -20,6 +20,9 @@ const ASIDE: f64 = 8.0;
 /// how many it may be passed by to be met.
 const EDGE_ON: f64 = 16.0;
 
+/// How often it is asked again behind neighbours that are seen edge-on.
+const AGAIN: usize = 4;
+
 /// Puts things right where the backend's hit was `first`, and that is seen edge-on. The hit is `last` by now: it goes if it
 /// is seen edge-on as well and not met, and what lies in front of it beside `first` takes its place.
 pub(super) fn look_beside(
@@ -41,7 +44,19 @@ pub(super) fn look_beside(
         let o = ray.o + normal * (side * unit(&ray, &first.corners));
         pair.set(i, o.as_vec3(), rays.d(lane), rays.tmin[lane], rays.tmax[lane]);
     }
-    let Some(answers) = triangles.ask(&pair, BOTH) else { return };
+    let Some(mut answers) = triangles.ask(&pair, BOTH) else { return };
+    // A neighbour no larger than the step aside may be seen edge-on as well, and met: on behind it.
+    for _ in 0..AGAIN {
+        let ends = [0, 1].map(|i| end_of_edge_on(triangles, &ray, &answers, i));
+        if ends == [None; 2] {
+            break;
+        }
+        for (i, end) in ends.into_iter().enumerate() {
+            pair.tmin[i] = end.map_or(pair.tmin[i], |end| pair.tmin[i].max((end as f32).next_up()));
+        }
+        let Some(next) = triangles.ask(&pair, BOTH) else { break };
+        answers = next;
+    }
     let hit_of = |i: usize| (answers.mesh[i] != MISS).then(|| met(triangles, &ray, &answers, i)).flatten();
     // What the ray itself clearly meets goes first: it cannot be denied.
     let order = |x: &(bool, Found), y: &(bool, Found)| {
@@ -70,6 +85,16 @@ fn place(ray: &Ray64, corners: &[DVec3; 3], t: f64) -> Option<f64> {
     let outline = Outline::of(ray, *corners);
     let (first, last) = (outline.first.max(ray.tmin), outline.last.min(ray.tmax));
     (outline.away <= EDGE_ON * unit(ray, corners) && first <= last).then(|| t.max(first).min(last))
+}
+
+/// Where a triangle ends along the ray that a ray beside it hit, and that is seen edge-on.
+fn end_of_edge_on(triangles: &impl Triangles, ray: &Ray64, hits: &Hits, i: usize) -> Option<f64> {
+    if hits.mesh[i] == MISS {
+        return None;
+    }
+    let corners = triangles.hit(hits, i).map(|p| p.as_dvec3());
+    let cos = Measure::of(ray, corners).map_or(0.0, |m| m.cos);
+    is_edge_on(ray, &corners, cos).then(|| Outline::of(ray, corners).last).filter(|end| end.abs() < 1e18)
 }
 
 /// Where the ray itself meets what a ray beside it hit, and whether it does so clearly.
