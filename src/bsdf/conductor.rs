@@ -146,8 +146,7 @@ impl Scatter for Conductor {
         if wi.z <= 0.0 {
             return None;
         }
-        let (f_cos, pdf) = self.eval(view, wi);
-        (pdf > 0.0 && pdf.is_finite()).then(|| Sample { wi, weight: f_cos / pdf, pdf })
+        self.towards(view, wi)
     }
 
     #[inline(always)]

@@ -266,8 +266,7 @@ impl Scatter for Dielectric {
             let passes = lobe - share < (1.0 - share) * through;
             if passes { Vec3::new(wi.x, wi.y, -wi.z) } else { wi }
         };
-        let (f_cos, pdf) = self.eval(view, wi);
-        (pdf > 0.0 && pdf.is_finite()).then(|| Sample { wi, weight: f_cos / pdf, pdf })
+        self.towards(view, wi)
     }
 
     #[inline(always)]

@@ -10,6 +10,7 @@
 //! integrators' loops; the larger ones, whose own work outweighs a call, are not, or they would be compiled for each
 //! integrator and instruction set.
 
+mod coat;
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
@@ -70,6 +71,13 @@ pub trait Scatter {
 
     /// A direction by importance: `u` places it, `lobe` chooses between lobes. `None` absorbs.
     fn sample(&self, view: &View, u: [f32; 2], lobe: f32) -> Option<Sample>;
+
+    /// The sample that chose `wi` by the density of [`Scatter::eval`]; `None` where that is zero.
+    #[inline(always)]
+    fn towards(&self, view: &View, wi: Vec3) -> Option<Sample> {
+        let (f_cos, pdf) = self.eval(view, wi);
+        (pdf > 0.0 && pdf.is_finite()).then(|| Sample { wi, weight: f_cos / pdf, pdf })
+    }
 
     /// True when [`Scatter::eval`] is zero everywhere, so that light samples would be wasted: all there is, are
     /// [`Scatter::deltas`].

@@ -71,8 +71,7 @@ impl Scatter for Phong {
         if wi.z <= 0.0 {
             return None; // this part of the lobe lies below the horizon
         }
-        let (f_cos, pdf) = self.eval(view, wi);
-        (pdf > 0.0 && pdf.is_finite()).then(|| Sample { wi, weight: f_cos / pdf, pdf })
+        self.towards(view, wi)
     }
 
     #[inline(always)]

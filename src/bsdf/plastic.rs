@@ -7,23 +7,17 @@
 //! (the two forms of Mitsuba's `plastic`). Both are reciprocal, and white where ρ is 1: what single scattering off the
 //! rough coat loses goes to the base.
 
-use super::energy::Interface;
-use super::ggx::{self, SMOOTH};
-use super::{Delta, Parameter, Sample, Scatter, View, fresnel, reflect};
+use super::coat::Coat;
+use super::{Delta, Parameter, Sample, Scatter, View, reflect};
 use crate::math::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Rgb, Vec3};
 
 /// A coated diffuse reflector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plastic {
     reflectance: Rgb,
-    ior: f32,
-    alpha: f32,
+    coat: Coat,
     nonlinear: bool,
-    widths: Vec2,
-    interface: Interface,
-    /// 1 minus the smooth coat's average reflectance.
-    smooth_average: f32,
     /// ρ/(η²·(1 − ρ'·F_in)).
     base: Rgb,
     /// The base's albedo for light that has entered.
@@ -36,16 +30,11 @@ impl Plastic {
     pub fn new(reflectance: Rgb, ior: f32, alpha: f32) -> Plastic {
         let mut plastic = Plastic {
             reflectance,
-            ior,
-            alpha,
+            coat: Coat::new(ior, alpha),
             nonlinear: false,
-            widths: Vec2::splat(alpha),
-            interface: Interface::new(ior.max(ior.recip())),
-            smooth_average: 0.0,
             base: Rgb::ZERO,
             inner: 0.0,
         };
-        plastic.set_ior(ior);
         plastic.balance();
         plastic
     }
@@ -62,39 +51,13 @@ impl Plastic {
         self.reflectance
     }
 
-    fn set_ior(&mut self, ior: f32) {
-        self.ior = ior.max(ior.recip());
-        self.interface = Interface::new(self.ior);
-        self.smooth_average = 1.0 - fresnel::dielectric_average(self.ior);
-    }
-
     fn balance(&mut self) {
-        self.widths = Vec2::splat(self.alpha);
-        let average = if self.is_smooth() {
-            self.smooth_average
-        } else {
-            1.0 - self.interface.reflected_average(self.alpha)
-        };
+        let average = 1.0 - self.coat.reflected_average();
         // η²·(1 − ρ'·F_in) = η²·(1 − ρ') + ρ'·T_avg.
         let again = if self.nonlinear { self.reflectance } else { Rgb::ONE };
-        let kept = (Rgb::ONE - again) * (self.ior * self.ior) + again * average.max(1e-6);
+        let kept = (Rgb::ONE - again) * (self.coat.ior() * self.coat.ior()) + again * average.max(1e-6);
         self.base = self.reflectance / kept;
         self.inner = self.base.max_element() * average;
-    }
-
-    #[inline(always)]
-    fn is_smooth(&self) -> bool {
-        self.alpha < SMOOTH
-    }
-
-    /// The share of light from μ that the coat reflects.
-    #[inline(always)]
-    fn reflected(&self, mu: f32) -> f32 {
-        if self.is_smooth() {
-            fresnel::dielectric(mu, self.ior).0
-        } else {
-            self.interface.reflected(mu, self.alpha)
-        }
     }
 
     /// The share of samples that go to the coat, which reflects `e_o`.
@@ -112,59 +75,49 @@ impl Scatter for Plastic {
         if wi.z <= 0.0 {
             return (Rgb::ZERO, 0.0);
         }
-        let (e_o, e_i) = (self.reflected(wo.z), self.reflected(wi.z));
+        let (e_o, e_i) = (self.coat.reflected(wo.z), self.coat.reflected(wi.z));
         let share = self.coat_share(e_o);
         let cos_pdf = cosine_hemisphere_pdf(wi.z);
         let base = self.base * ((1.0 - e_o) * (1.0 - e_i) * cos_pdf);
-        let base_pdf = (1.0 - share) * cos_pdf;
-        let h = wo + wi;
-        if self.is_smooth() || h == Vec3::ZERO {
-            return (base, base_pdf);
-        }
-        let m = h.normalize();
-        let (lo, li) = (ggx::lambda(wo, self.widths), ggx::lambda(wi, self.widths));
-        let common = ggx::d(m, self.widths) / (4.0 * wo.z);
-        let (f, _) = fresnel::dielectric(wo.dot(m), self.ior);
-        (base + Rgb::splat(f * common / (1.0 + lo + li)), base_pdf + share * common / (1.0 + lo))
+        let (coat, coat_pdf) = self.coat.eval(wo, wi);
+        (base + Rgb::splat(coat), (1.0 - share) * cos_pdf + share * coat_pdf)
     }
 
     fn sample(&self, view: &View, u: [f32; 2], lobe: f32) -> Option<Sample> {
         let wo = view.wo;
-        let e_o = self.reflected(wo.z);
+        let e_o = self.coat.reflected(wo.z);
         let share = self.coat_share(e_o);
         let wi = if lobe >= share {
             cosine_hemisphere(u)
-        } else if self.is_smooth() {
+        } else if self.coat.is_smooth() {
             let weight = Rgb::splat(e_o / share);
             return Some(Sample { wi: reflect(wo), weight, pdf: f32::INFINITY });
         } else {
-            let m = ggx::sample_visible_normal(wo, self.widths, u);
-            m * (2.0 * wo.dot(m)) - wo
+            self.coat.sample(wo, u)
         };
         if wi.z <= 0.0 {
             return None;
         }
-        let (f_cos, pdf) = self.eval(view, wi);
-        (pdf > 0.0 && pdf.is_finite()).then(|| Sample { wi, weight: f_cos / pdf, pdf })
+        self.towards(view, wi)
     }
 
     #[inline(always)]
     fn is_delta(&self) -> bool {
-        self.is_smooth() && self.inner == 0.0
+        self.coat.is_smooth() && self.inner == 0.0
     }
 
     fn deltas(&self, view: &View) -> [Option<Delta>; 2] {
-        let weight = || Rgb::splat(self.reflected(view.wo.z));
-        [self.is_smooth().then(|| Delta { wi: reflect(view.wo), weight: weight() }), None]
+        let weight = || Rgb::splat(self.coat.reflected(view.wo.z));
+        [self.coat.is_smooth().then(|| Delta { wi: reflect(view.wo), weight: weight() }), None]
     }
 
     fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
         let value = parameter.clamp(value);
         match parameter {
             Parameter::Reflectance => self.reflectance = value,
-            Parameter::Roughness => self.alpha = value.x * value.x,
-            Parameter::Alpha => self.alpha = value.x,
-            Parameter::Ior => self.set_ior(value.x),
+            Parameter::Roughness => self.coat.alpha = value.x * value.x,
+            Parameter::Alpha => self.coat.alpha = value.x,
+            Parameter::Ior => self.coat = Coat::new(value.x, self.coat.alpha),
             _ => return false,
         }
         self.balance();

@@ -5,12 +5,11 @@
 //! sends back the share E(μ) of light leaves min(1 − E(μo), 1 − E(μi)) to what is below it, which is reciprocal and
 //! makes no energy. Multiple scattering between facets is given back in each part.
 
-use super::energy::Interface;
-use super::fresnel::{self, Reflectance};
-use super::ggx::{self, SMOOTH};
+use super::coat::Coat;
+use super::fresnel::Reflectance;
 use super::{Conductor, Delta, Dielectric, Parameter, Plastic, Sample, Scatter, View, reflect, sheen};
 use crate::math::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
-use crate::math::{Rgb, Vec2, Vec3, luminance};
+use crate::math::{Rgb, Vec3, luminance};
 
 /// The numbers of a principled material, each in [0, 1] unless said otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,13 +70,6 @@ pub struct Principled {
     sheen: Rgb,
 }
 
-/// The clear coat's reflection.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Coat {
-    interface: Interface,
-    alpha: f32,
-}
-
 /// What a coat is made of.
 const COAT_IOR: f32 = 1.5;
 
@@ -88,41 +80,6 @@ const BASE: usize = 2;
 const COAT: usize = 3;
 const SHEEN: usize = 4;
 
-impl Coat {
-    #[inline(always)]
-    fn is_smooth(&self) -> bool {
-        self.alpha < SMOOTH
-    }
-
-    #[inline(always)]
-    fn reflected(&self, mu: f32) -> f32 {
-        if self.is_smooth() {
-            fresnel::dielectric(mu, COAT_IOR).0
-        } else {
-            self.interface.reflected(mu, self.alpha)
-        }
-    }
-
-    /// (f_cos, pdf) of the rough coat's reflection.
-    #[inline(always)]
-    fn eval(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
-        let h = wo + wi;
-        if self.is_smooth() || wi.z <= 0.0 || h == Vec3::ZERO {
-            return (0.0, 0.0);
-        }
-        let (m, widths) = (h.normalize(), Vec2::splat(self.alpha));
-        let (lo, li) = (ggx::lambda(wo, widths), ggx::lambda(wi, widths));
-        let common = ggx::d(m, widths) / (4.0 * wo.z);
-        (fresnel::dielectric(wo.dot(m), COAT_IOR).0 * common / (1.0 + lo + li), common / (1.0 + lo))
-    }
-
-    #[inline(always)]
-    fn sample(&self, wo: Vec3, u: [f32; 2]) -> Vec3 {
-        let m = ggx::sample_visible_normal(wo, Vec2::splat(self.alpha), u);
-        m * (2.0 * wo.dot(m)) - wo
-    }
-}
-
 impl Principled {
     /// The material with that look.
     pub fn new(look: Look) -> Principled {
@@ -132,7 +89,7 @@ impl Principled {
             metal: Conductor::new(Reflectance::Schlick(look.base_color), alpha, true),
             clear: Dielectric::new(look.ior, Rgb::ONE).rough(alpha, true),
             base: Plastic::new(look.base_color, look.ior, alpha),
-            coat: Coat { interface: Interface::new(COAT_IOR), alpha: 0.0 },
+            coat: Coat::new(COAT_IOR, 0.0),
             sheen: Rgb::ZERO,
         };
         principled.set_ior();
@@ -296,8 +253,7 @@ impl Scatter for Principled {
                 sample.wi
             }
         };
-        let (f_cos, pdf) = self.eval(view, wi);
-        (pdf > 0.0 && pdf.is_finite()).then(|| Sample { wi, weight: f_cos / pdf, pdf })
+        self.towards(view, wi)
     }
 
     fn is_delta(&self) -> bool {

@@ -5,61 +5,22 @@
 //! repeats `extend` (closest hits) → `shade` (lanes grouped by BSDF, each vertex pushing into the next
 //! chunks, which also compacts them) → `connect` (shadow rays) until no path is left. It knows no physics.
 
+mod first;
+mod pushed;
+
 use super::cutout;
 use super::lanes::Lanes;
-use super::{Arrival, Context, Extension, Integrator, RenderStats, Sink, Vertex};
+use super::{Arrival, Context, Extension, Integrator, RenderStats, Vertex};
 use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, for_lanes};
 use crate::bsdf::{Bsdf, Material, Scatter, View};
-use crate::film::rule::{Numbers, PixelPoint};
-use crate::film::{Film, FirstHit, Tile};
-use crate::light::{End, Receiver, Sphere, sphere};
-use crate::math::ray::Ray;
-use crate::math::{DVec3, Rgb, Vec2, Vec3};
-use crate::sampler::Key;
+use crate::film::{Film, Tile};
+use crate::light::{End, Receiver, sphere};
+use crate::math::{DVec3, Rgb};
 use crate::shape::Surface;
+use first::{camera_ray, first_hit, first_hit_of_lamp};
+use pushed::{PathSink, Pushed, Slot};
 use std::ops::Range;
 use std::time::Instant;
-
-/// One sample of one pixel.
-#[derive(Clone, Copy, Debug)]
-struct Slot {
-    key: Key,
-    pixel: u32,
-    weight: f32,
-    /// In f64: thousands of branches may add up.
-    radiance: DVec3,
-}
-
-/// The wave's sink: the next rays, the shadow rays and the samples' radiance.
-#[derive(Debug, Default)]
-struct Pushed {
-    next: Lanes,
-    shadows: Lanes,
-    slots: Vec<Slot>,
-}
-
-/// The sink as one path sees it.
-struct PathSink<'a> {
-    pushed: &'a mut Pushed,
-    slot: u32,
-}
-
-impl Sink for PathSink<'_> {
-    #[inline(always)]
-    fn emit(&mut self, radiance: Rgb) {
-        self.pushed.slots[self.slot as usize].radiance += radiance.as_dvec3();
-    }
-
-    #[inline(always)]
-    fn connect(&mut self, shadow: Ray, radiance: Rgb) {
-        self.pushed.shadows.push(shadow, radiance, self.slot);
-    }
-
-    #[inline(always)]
-    fn extend(&mut self, next: Extension) {
-        self.pushed.next.follow(next, self.slot);
-    }
-}
 
 /// The lanes of a wave by what they met: no mesh, then one group a BSDF.
 #[derive(Debug, Default)]
@@ -372,48 +333,6 @@ impl Wave {
             tile.add(slot.pixel as usize, if sound { c } else { DVec3::ZERO }, slot.weight);
         }
     }
-}
-
-/// The ray through a point of pixel (`x`, `y`) that the pixel rule chose, and its weight.
-#[inline(always)]
-fn camera_ray(cx: &Context<'_>, x: u32, y: u32, key: Key) -> (Ray, f32) {
-    let numbers = match cx.pixel.numbers() {
-        Numbers::Sampler => cx.sampler.d2(key, super::Dimensions::PIXEL),
-        Numbers::Random => cx.random.d2(key, super::Dimensions::PIXEL),
-        Numbers::None => [0.5; 2],
-    };
-    let PixelPoint { offset: [u, v], weight } = cx.pixel.point(key.index, numbers);
-    let lens = if cx.camera.has_lens() { cx.sampler.d2(key, super::Dimensions::LENS) } else { [0.5; 2] };
-    // In f64: at 100,000 pixels a side f32 leaves 1/128 of a pixel.
-    let place =
-        |i: u32, offset: f32, n: u32| ((f64::from(i) + 0.5 + f64::from(offset)) / f64::from(n)) as f32;
-    let ray = cx.camera.ray(place(x, u, cx.size[0]), place(y, v, cx.size[1]), lens);
-    (Ray { o: ray.o, d: ray.d, tmax: f32::INFINITY }, weight)
-}
-
-fn first_hit(cx: &Context<'_>, v: &Vertex, ids: [u32; 3]) -> FirstHit {
-    let material = &cx.materials[v.part as usize];
-    let mut bsdf = material.bsdf.clone();
-    if let Some(maps) = &material.maps {
-        maps.each(v.surface.uv, |parameter, value| {
-            bsdf.set(parameter, value);
-        });
-    }
-    FirstHit {
-        depth: v.t,
-        normal: v.frame.n,
-        albedo: bsdf.albedo(),
-        position: v.surface.p,
-        uv: v.surface.uv,
-        ids,
-    }
-}
-
-/// A lamp is no mesh: it has no ids.
-fn first_hit_of_lamp(lamp: &Sphere, o: Vec3, d: Vec3, t: f32) -> FirstHit {
-    let position = o + d * t;
-    let normal = (position - lamp.center).normalize_or_zero();
-    FirstHit { depth: t, normal, albedo: Rgb::ZERO, position, uv: Vec2::ZERO, ids: [u32::MAX; 3] }
 }
 
 /// Seconds since `clock`, which is set to now.

@@ -7,59 +7,13 @@
 use super::bounds::{Cone, LightBounds};
 use super::distant::{Distant, Distants};
 use super::patch::Patch;
+use super::single::{sample_directional, sample_point, sample_sphere, sample_spot};
 use super::tree::LightTree;
-use super::{Directional, Environment, Light, LightSample, Point, Receiver, Sphere, Spot, Sun, reach};
+use super::{Emission, Environment, Light, LightSample, Point, Receiver, Sphere, Spot, Sun, reach};
 use crate::math::ray::{Ray, leave};
-use crate::math::{Aabb, Rgb, Vec2, Vec3, luminance, warp};
+use crate::math::{Aabb, Rgb, Vec2, Vec3, luminance};
 use crate::shape::{Mesh, Surface};
-use crate::texture::{Opacity, Texture};
 use std::sync::Arc;
-
-/// What a material emits.
-#[derive(Clone, Debug)]
-pub struct Emission {
-    /// Radiance, the same in all directions; of a picture its mean, by which lights are chosen.
-    pub radiance: Rgb,
-    /// True: from both sides; false: from the side `ng` points to.
-    pub two_sided: bool,
-    /// Radiance as a picture.
-    pub texture: Option<Box<Texture>>,
-    /// Where the surface is there. A ray that meets a hole goes on; a light sample must count what is there.
-    pub opacity: Option<Box<Opacity>>,
-}
-
-impl Emission {
-    /// Radiance at texture coordinates `uv` of a surface that is there.
-    #[inline(always)]
-    fn at(&self, uv: Vec2) -> Rgb {
-        match &self.texture {
-            None => self.radiance,
-            Some(texture) => texture.rgb(uv).max(Rgb::ZERO).min(Rgb::splat(Self::LARGEST)),
-        }
-    }
-
-    /// Radiance above this is cut, as the scene file does.
-    const LARGEST: f32 = 1e12;
-
-    /// True when points of one triangle send different light, or none.
-    #[inline(always)]
-    fn varies(&self) -> bool {
-        self.texture.is_some() || self.opacity.is_some()
-    }
-
-    /// Luminance by which triangle `t` of a mesh is chosen: of a picture its mean over the triangle, from a few points.
-    /// They may miss what shines, so it never falls below a share of the whole picture's.
-    fn luminance_over(&self, mesh: &Mesh, t: usize) -> f32 {
-        const SIDE: u16 = 4;
-        const LEAST: f32 = 0.05;
-        let whole = luminance(self.radiance);
-        let (Some(_), Some([a, b, c])) = (&self.texture, mesh.triangle_uvs(t)) else { return whole };
-        let place = |i: u16| (f32::from(i) + 0.5) / f32::from(SIDE);
-        let points = (0..SIDE * SIDE).map(|i| warp::triangle([place(i % SIDE), place(i / SIDE)]));
-        let sum: f32 = points.map(|[u, v]| luminance(self.at(a * (1.0 - u - v) + b * u + c * v))).sum();
-        (sum / f32::from(SIDE * SIDE)).max(LEAST * whole)
-    }
-}
 
 /// A light with a place, by its index in the list of its kind.
 #[derive(Clone, Copy, Debug)]
@@ -160,6 +114,10 @@ impl Lights {
             let emission = self.emissions.get(mesh.materials.get(t) as usize);
             emission.is_some_and(|e| luminance(e.radiance) > 0.0)
         };
+        // Most scenes have no such material, and millions of triangles.
+        if !self.emissions.iter().any(|e| luminance(e.radiance) > 0.0) {
+            return Owners::default();
+        }
         let Some(first) = (0..mesh.indices.len()).find(|t| shines(*t)) else { return Owners::default() };
         let end = (first..mesh.indices.len()).rev().find(|t| shines(*t)).map_or(first, |t| t + 1);
         let mut emitters = vec![NONE; end - first];
@@ -405,51 +363,4 @@ impl Lights {
         }
         Some(LightSample { wi, radiance_over_pdf: radiance / pdf, pdf, shadow: reach::to_infinity(from, wi) })
     }
-}
-
-/// The notes' hint in 13.7 (no grid of directions can meet a point): its own term, I/d², with the intensity I along the
-/// light's way.
-#[inline(always)]
-fn sample_point(
-    from: &Surface,
-    position: Vec3,
-    chance: f32,
-    intensity: impl FnOnce(Vec3) -> Rgb,
-) -> Option<LightSample> {
-    let to = position - from.p;
-    let distance_squared = to.length_squared();
-    if distance_squared <= 0.0 {
-        return None;
-    }
-    let wi = to * (1.0 / distance_squared.sqrt());
-    let intensity = intensity(-wi);
-    if intensity == Rgb::ZERO {
-        return None;
-    }
-    let start = leave(from.p, from.error, from.ng, wi);
-    let shadow = Ray { o: start, d: position - start, tmax: 1.0 };
-    let radiance_over_pdf = intensity / (distance_squared * chance);
-    Some(LightSample { wi, radiance_over_pdf, pdf: f32::INFINITY, shadow })
-}
-
-#[inline(always)]
-fn sample_spot(from: &Surface, spot: &Spot, chance: f32) -> Option<LightSample> {
-    sample_point(from, spot.position, chance, |way| spot.intensity_at(way.dot(spot.direction)))
-}
-
-/// Parallel light: its irradiance is that of a plane facing it, so f_cos alone weighs it.
-#[inline(always)]
-fn sample_directional(from: &Surface, light: &Directional, chance: f32) -> LightSample {
-    let wi = -light.direction;
-    let shadow = reach::to_infinity(from, wi);
-    LightSample { wi, radiance_over_pdf: light.irradiance / chance, pdf: f32::INFINITY, shadow }
-}
-
-#[inline(always)]
-fn sample_sphere(from: &Surface, sphere: &Sphere, chance: f32, u: [f32; 2]) -> Option<LightSample> {
-    let (wi, pdf, t) = sphere.sample(from.p, u)?;
-    let pdf = pdf * chance;
-    let start = leave(from.p, from.error, from.ng, wi);
-    let shadow = Ray { o: start, d: from.p + wi * t - start, tmax: reach::ALMOST };
-    Some(LightSample { wi, radiance_over_pdf: sphere.radiance / pdf, pdf, shadow })
 }

@@ -6,6 +6,7 @@
 pub mod bounds;
 mod directional;
 pub mod distant;
+mod emission;
 mod environment;
 mod lights;
 pub mod panorama;
@@ -14,14 +15,16 @@ mod point;
 pub mod preetham;
 mod reach;
 mod receiver;
+mod single;
 pub mod sphere;
 mod spot;
 mod sun;
 pub mod tree;
 
 pub use directional::Directional;
+pub use emission::Emission;
 pub use environment::Environment;
-pub use lights::{Emission, End, Lights, Sampled};
+pub use lights::{End, Lights, Sampled};
 pub use panorama::Panorama;
 pub use point::Point;
 pub use reach::LightSample;

@@ -224,7 +224,7 @@ mod tests {
         not(sheared, [[0, 1, 2], [0, 2, 3]]);
     }
 
-    /// Directions to sampled points, counted in cells of the patch, against ∫pdf dω over the cells (chi-square); near,
+    /// Directions to sampled points, counted in cells of the patch, against ∫pdf dω over the cells; near,
     /// far and on the border between the two rules.
     #[test]
     fn points_are_chosen_with_their_density() {

@@ -248,7 +248,7 @@ mod tests {
         ]
     }
 
-    /// What is chosen is chosen as often as [`LightTree::probability`] says (chi-square), and the probabilities of all
+    /// What is chosen is chosen as often as [`LightTree::probability`] says, and the probabilities of all
     /// lights add up to one.
     #[test]
     fn probabilities_are_those_of_the_samples() {

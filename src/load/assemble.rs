@@ -1,5 +1,8 @@
 //! A plan and its mesh files become a [`Scene`].
 
+mod lights;
+mod palette;
+
 use super::auto::{self, Sky};
 use super::materials::MaterialSpec;
 use super::object::{self, Object};
@@ -8,12 +11,12 @@ use super::scene_file::{LightPlan, MaterialPatch, MeshPlan, Plan};
 use super::sky::{SkyPicture, SkySource};
 use super::texture;
 use super::{Loaded, Options, cancelled};
-use crate::error::{Error, Finding, Result, Severity, nearest, show_path, unknown_word_advice};
-use crate::light::{Directional, Light, Point, Sphere, Spot};
-use crate::math::{DVec3, Rgb};
+use crate::error::{Error, Finding, Result, Severity, nearest, show_path};
+use crate::math::DVec3;
 use crate::scene::{IntegratorKind, Scene};
 use crate::shape::{FaceMaterials, Mesh};
-use std::collections::BTreeMap;
+use lights::{is_dark, lamp, place_light};
+use palette::{Choice, Palette};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -157,13 +160,6 @@ fn read_objects(plan: &Plan<'_>, options: &Options<'_>) -> Result<(Files, Vec<Op
     Ok((Files { paths, of_mesh }, objects?))
 }
 
-/// A mesh's materials: scene ids by the file's ids, or one for all.
-#[derive(Clone, PartialEq)]
-enum Choice {
-    One(u32),
-    ByFile(Vec<u32>),
-}
-
 /// Where a file's mesh stands, and how.
 #[derive(Clone, PartialEq)]
 struct Placement {
@@ -171,153 +167,6 @@ struct Placement {
     transform: Transform,
     normals: NormalsMode,
     choice: Choice,
-}
-
-/// The scene's materials as they gather.
-struct Palette<'p> {
-    patches: &'p BTreeMap<String, MaterialPatch<'p>>,
-    used: Vec<String>,
-    specs: Vec<MaterialSpec>,
-    /// By file: scene ids of its materials, once they are in.
-    of_file: Vec<Option<Vec<u32>>>,
-    /// Scene ids of materials that meshes name, by name and the file they come from.
-    named: BTreeMap<(String, Option<usize>), u32>,
-}
-
-impl<'p> Palette<'p> {
-    fn new(patches: &'p BTreeMap<String, MaterialPatch<'p>>, files: usize) -> Self {
-        Palette {
-            patches,
-            used: Vec::new(),
-            specs: Vec::new(),
-            of_file: vec![None; files],
-            named: BTreeMap::new(),
-        }
-    }
-
-    fn add(&mut self, spec: MaterialSpec) -> u32 {
-        self.specs.push(spec);
-        (self.specs.len() - 1) as u32
-    }
-
-    fn patched(&mut self, spec: MaterialSpec) -> Result<MaterialSpec> {
-        match self.patches.get(&spec.name) {
-            None => Ok(spec),
-            Some(patch) => {
-                self.used.push(spec.name.clone());
-                patch.apply(spec)
-            }
-        }
-    }
-
-    /// Adds a material, and before it the parts of which it is mixed: `own` are those of its mesh file. `within`: the
-    /// mixtures that it is a part of.
-    fn add_whole(
-        &mut self,
-        mut spec: MaterialSpec,
-        own: &[MaterialSpec],
-        file: usize,
-        within: &[&str],
-    ) -> Result<u32> {
-        if let Some(mut mix) = spec.mix.take() {
-            for (name, id) in mix.names.iter().zip(&mut mix.ids) {
-                *id = self.part(name, &spec.name, own, file, within)?;
-            }
-            let emission = mix.ids.map(|id| self.specs.get(id as usize).map_or(Rgb::ZERO, |s| s.emission));
-            if spec.emission == Rgb::ZERO {
-                spec.emission = emission[0].lerp(emission[1], mix.amount);
-            }
-            spec.mix = Some(mix);
-        }
-        Ok(self.add(spec))
-    }
-
-    /// The id of the part `name` of the mixture `whole`.
-    fn part(
-        &mut self,
-        name: &str,
-        whole: &str,
-        own: &[MaterialSpec],
-        file: usize,
-        within: &[&str],
-    ) -> Result<u32> {
-        let within: Vec<&str> = within.iter().copied().chain([whole]).collect();
-        let patches = self.patches;
-        // Only a patch makes a mixture, so there is one to blame.
-        let blame = || patches.get(whole).map(|patch| patch as &MaterialPatch<'_>);
-        if within.contains(&name) {
-            return Err(blame().map_or_else(|| Error::new("a mixture of itself"), MaterialPatch::own_part));
-        }
-        let in_file = own.iter().find(|m| m.name == name);
-        if in_file.is_none() && !patches.contains_key(name) {
-            let known: Vec<&str> = patches.keys().map(String::as_str).filter(|n| *n != whole).collect();
-            let message = || Error::new(format!("unknown material \"{name}\""));
-            return Err(blame().map_or_else(message, |patch| patch.missing_part(name, &known)));
-        }
-        let key = (name.to_string(), in_file.map(|_| file));
-        if let Some(id) = self.named.get(&key) {
-            return Ok(*id);
-        }
-        let base = in_file.cloned().unwrap_or_else(|| MaterialSpec::diffuse(name, auto::CLAY));
-        let spec = self.patched(base)?;
-        let id = self.add_whole(spec, own, file, &within)?;
-        self.named.insert(key, id);
-        Ok(id)
-    }
-
-    /// The materials of a mesh: the one it names, or the file's own.
-    fn choose(&mut self, mesh: &MeshPlan<'_>, file: usize, object: Option<&Object>) -> Result<Choice> {
-        let own: &[MaterialSpec] = object.map_or(&[], |o| &o.materials);
-        let Some(field) = &mesh.material else { return self.own(own, file).map(Choice::ByFile) };
-        let name = field.text()?;
-        let in_file = own.iter().find(|m| m.name == name);
-        if in_file.is_none() && !self.patches.contains_key(name) {
-            let names = self.patches.keys().map(String::as_str).chain(own.iter().map(|m| m.name.as_str()));
-            let known: Vec<&str> = names.filter(|n| !n.is_empty()).collect();
-            let advice = match known.as_slice() {
-                [] => format!("add [materials.{name}] with its type"),
-                known => unknown_word_advice(name, known),
-            };
-            return Err(field.error(format!("unknown material \"{name}\"")).advise(advice));
-        }
-        let key = (name.to_string(), in_file.map(|_| file));
-        if let Some(id) = self.named.get(&key) {
-            return Ok(Choice::One(*id));
-        }
-        let base = in_file.cloned().unwrap_or_else(|| MaterialSpec::diffuse(name, auto::CLAY));
-        let spec = self.patched(base)?;
-        let id = self.add_whole(spec, own, file, &[])?;
-        self.named.insert(key, id);
-        Ok(Choice::One(id))
-    }
-
-    fn own(&mut self, own: &[MaterialSpec], file: usize) -> Result<Vec<u32>> {
-        if let Some(ids) = self.of_file.get(file).and_then(Option::as_ref) {
-            return Ok(ids.clone());
-        }
-        let mut ids = Vec::with_capacity(own.len());
-        for spec in own {
-            let spec = self.patched(spec.clone())?;
-            ids.push(self.add_whole(spec, own, file, &[])?);
-        }
-        if let Some(slot) = self.of_file.get_mut(file) {
-            *slot = Some(ids.clone());
-        }
-        Ok(ids)
-    }
-
-    fn unused(&self) -> Vec<(&'p str, &'p super::scene_file::Field<'p>)> {
-        let patches = self.patches.iter().filter(|(name, _)| !self.used.contains(name));
-        patches.map(|(name, patch)| (name.as_str(), &patch.field)).collect()
-    }
-
-    /// Every face has a material, so there is at least one.
-    fn specs(mut self) -> Vec<MaterialSpec> {
-        if self.specs.is_empty() {
-            self.specs.push(MaterialSpec::diffuse("", auto::CLAY));
-        }
-        self.specs
-    }
 }
 
 /// The origin that all meshes share, where they do and nothing moves them; else by the scene's extent.
@@ -374,70 +223,6 @@ fn place_all(
         meshes.push(Arc::new(placed));
     }
     Ok(meshes)
-}
-
-fn place_light(light: &LightPlan, origin: DVec3, up: DVec3, forward: DVec3) -> Vec<Light> {
-    if let LightPlan::SunSky(daylight) = light {
-        return daylight.lights();
-    }
-    let one = match light {
-        LightPlan::Constant(radiance) => {
-            Some(Light::Environment(crate::light::Environment::Constant(*radiance)))
-        }
-        LightPlan::Sky { sky, up: own, scale } => {
-            let environment = sky.environment(own.unwrap_or(up), forward);
-            environment.map(|environment| Light::Environment(environment.scaled(*scale)))
-        }
-        // A map's zenith is +y unless the file says otherwise: it is no matter of the camera.
-        LightPlan::Picture { picture, scale, rotate, up } => {
-            picture.light(*scale, *rotate, up.unwrap_or(DVec3::Y))
-        }
-        LightPlan::Spot { position, direction, cos_outer, cos_inner, intensity } => Some(Light::Spot(Spot {
-            position: (*position - origin).as_vec3(),
-            direction: direction.as_vec3(),
-            intensity: *intensity,
-            cos_outer: *cos_outer as f32,
-            cos_inner: *cos_inner as f32,
-        })),
-        LightPlan::Point { position, intensity } => {
-            Some(Light::Point(Point { position: (*position - origin).as_vec3(), intensity: *intensity }))
-        }
-        LightPlan::Directional { direction, irradiance } => {
-            Some(Light::Directional(Directional { direction: direction.as_vec3(), irradiance: *irradiance }))
-        }
-        LightPlan::Sphere { center, radius, radiance } => Some(Light::Sphere(Sphere {
-            center: (*center - origin).as_vec3(),
-            radius: *radius as f32,
-            radiance: *radiance,
-        })),
-        LightPlan::Rectangle { .. } | LightPlan::SunSky(_) => None,
-    };
-    one.into_iter().collect()
-}
-
-/// The mesh of a flat lamp: black, shining from the side of edge_u × edge_v or from both.
-fn lamp(light: &LightPlan, origin: DVec3, palette: &mut Palette<'_>) -> Option<Mesh> {
-    let LightPlan::Rectangle { corner, edges: [u, v], radiance, two_sided } = light else { return None };
-    let corner = *corner - origin;
-    let corners = [corner, corner + *u, corner + *u + *v, corner + *v];
-    let mut mesh = Mesh::new(corners.map(|p| p.as_vec3().to_array()).to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
-    let black = MaterialSpec::diffuse("lamp", Rgb::ZERO);
-    let id = palette.add(MaterialSpec { emission: *radiance, two_sided: *two_sided, ..black });
-    mesh.materials = FaceMaterials::Uniform(id);
-    Some(mesh)
-}
-
-/// No light, or only lights of radiance zero.
-fn is_dark(scene: &Scene) -> bool {
-    let dark = |light: &Light| match light {
-        Light::Environment(environment) => environment.average() == Rgb::ZERO,
-        Light::Directional(d) => d.irradiance == Rgb::ZERO,
-        Light::Sphere(s) => s.radiance == Rgb::ZERO,
-        Light::Sun(s) => s.radiance == Rgb::ZERO,
-        Light::Spot(s) => s.intensity == Rgb::ZERO,
-        Light::Point(point) => point.intensity == Rgb::ZERO,
-    };
-    scene.lights.iter().all(dark) && scene.materials.iter().all(|m| m.emission == Rgb::ZERO)
 }
 
 /// What `--view`, `--sky` and the like add to a plan.

@@ -1,11 +1,10 @@
 //! O1–O6: environments and closed meshes, where every leaked ray shows.
 
-use crate::harness::{cube, on_every_backend, sphere, stage, torus};
+use crate::harness::{SKY, cube, on_every_backend, sphere, stage, torus};
 use drt::film::Image;
 
 const OUTSIDE: &str = "[camera]\nposition = [2.1, 1.7, 4.0]\nlook_at = [0.0, 0.0, 0.0]\nfov = 40\n";
 const INSIDE: &str = "[camera]\nposition = [0.13, 0.21, 0.08]\nlook_at = [0.5, 0.1, -1.0]\nfov = 90\n";
-const SKY: &str = "[[light]]\ntype = \"environment\"\nradiance = 1.0\n";
 
 fn object(film: &str, camera: &str, depth: u32, material: &str, light: &str) -> String {
     format!(

@@ -1,8 +1,6 @@
 //! Surfaces with holes: what of the light passes them is known exactly.
 
-use crate::harness::{obj, on_every_backend, picture, stage_bytes};
-
-const SKY: &str = "[[light]]\ntype = \"environment\"\nradiance = 1.0\n";
+use crate::harness::{SKY, obj, on_every_backend, picture, stage_bytes};
 
 /// Sheets across the view, one above the other, each an OBJ of its own with texture coordinates.
 fn sheets(heights: &[f64]) -> Vec<(String, Vec<u8>)> {
@@ -98,33 +96,37 @@ fn shadow_rays_pass_holes() {
     });
 }
 
+/// A lamp of side 2 at height 1 over a floor.
+const LAMP: &[u8] = b"mtllib m.mtl\nusemtl lamp\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
+                      vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
+const FLOOR: &[u8] = b"mtllib m.mtl\nusemtl floor\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n";
+
+/// Looks at the floor below the lamp's middle.
+fn under_the_lamp(rest: &str) -> String {
+    let toml = scene(2, 1, 1024, rest).replace("height = 1\n", "height = 1e-4\n");
+    toml.replace("position = [0, 0, 5]", "position = [0, 0, 0.5]")
+}
+
+/// The lamp's form factor from there: four unit squares at a corner.
+fn lamp_over_floor() -> f64 {
+    let a = 1.0f64 / 2.0f64.sqrt();
+    4.0 / (2.0 * std::f64::consts::PI) * (2.0 * a * a.atan())
+}
+
 /// A lamp behind and a lamp that is itself full of holes: light sampling, BSDF sampling and both agree with the closed
 /// form of a lamp over a floor, times the share that is there.
 #[test]
 fn lamps_with_holes() {
-    let lamp = "mtllib m.mtl\nusemtl lamp\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
-                f 1/1 2/2 3/3 4/4\n";
-    // A square of side 2 at height 1, seen from below its middle: the form factor of four unit squares at a corner.
-    let corner = {
-        let a = 1.0f64 / 2.0f64.sqrt();
-        4.0 / (2.0 * std::f64::consts::PI) * (2.0 * a * a.atan())
-    };
     on_every_backend(|backend| {
         for lights in ["mis", "light", "bsdf"] {
             let files = vec![
-                (
-                    "s0.obj",
-                    b"mtllib m.mtl\nusemtl floor\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n"
-                        .to_vec(),
-                ),
-                ("s1.obj", lamp.as_bytes().to_vec()),
+                ("s0.obj", FLOOR.to_vec()),
+                ("s1.obj", LAMP.to_vec()),
                 ("m.mtl", b"newmtl floor\nKd 1 1 1\nnewmtl lamp\nKd 0 0 0\nKe 2 2 2\nd 0.75\n".to_vec()),
             ];
-            let toml = scene(2, 1, 1024, "")
-                .replace("height = 1\n", "height = 1e-4\n")
-                .replace("position = [0, 0, 5]", "position = [0, 0, 0.5]");
+            let toml = under_the_lamp("");
             let set = format!("render.lights={lights}");
-            let exact = 0.75 * 2.0 * corner;
+            let exact = 0.75 * 2.0 * lamp_over_floor();
             let what = format!("{backend:?}, {lights}");
             stage_bytes(&toml, &files, backend, &[&set]).statistics().expect(&what, exact, 0.0);
         }
@@ -135,30 +137,19 @@ fn lamps_with_holes() {
 /// The picture's mean is that of neither half, so a lamp chosen by it must be weighed by what is there.
 #[test]
 fn lamps_with_pictures() {
-    let lamp = "mtllib m.mtl\nusemtl lamp\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
-                f 1/1 2/2 3/3 4/4\n";
-    let corner = {
-        let a = 1.0f64 / 2.0f64.sqrt();
-        4.0 / (2.0 * std::f64::consts::PI) * (2.0 * a * a.atan())
-    };
     on_every_backend(|backend| {
         for lights in ["mis", "light", "bsdf"] {
             let files = vec![
-                (
-                    "s0.obj",
-                    b"mtllib m.mtl\nusemtl floor\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n"
-                        .to_vec(),
-                ),
-                ("s1.obj", lamp.as_bytes().to_vec()),
+                ("s0.obj", FLOOR.to_vec()),
+                ("s1.obj", LAMP.to_vec()),
                 ("a.png", picture(2, &[[255; 3], [64; 3]])),
                 ("m.mtl", b"newmtl floor\nKd 1 1 1\nnewmtl lamp\nKd 0 0 0\n".to_vec()),
             ];
             let rest =
                 "[materials.lamp]\nemission = { texture = \"a.png\", filter = \"nearest\", gain = 3 }\n";
-            let toml = scene(2, 1, 1024, rest).replace("height = 1\n", "height = 1e-4\n");
-            let toml = toml.replace("position = [0, 0, 5]", "position = [0, 0, 0.5]");
+            let toml = under_the_lamp(rest);
             let set = format!("render.lights={lights}");
-            let exact = 3.0 * corner * 0.5 * (1.0 + 0.051_269_5);
+            let exact = 3.0 * lamp_over_floor() * 0.5 * (1.0 + 0.051_269_5);
             let what = format!("{backend:?}, {lights}");
             stage_bytes(&toml, &files, backend, &[&set]).statistics().expect(&what, exact, 1e-5);
         }

@@ -9,6 +9,26 @@ use drt::scene::{Scene, Settings};
 use std::fmt::Write as _;
 use std::path::Path;
 
+/// A white sky of radiance 1.
+pub const SKY: &str = "[[light]]\ntype = \"environment\"\nradiance = 1.0\n";
+
+/// A square at z = 0 with the material `m`, seen under `degrees` from its normal.
+pub fn sheet(degrees: f64, spp: u32, depth: u32, rest: &str) -> String {
+    let (s, c) = degrees.to_radians().sin_cos();
+    format!(
+        "[camera]\ntype = \"orthographic\"\nposition = [{}, 0, {}]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nheight = 1e-3\n\
+         [film]\nsize = [8, 8]\n[render]\nspp = {spp}\nmax_depth = {depth}\n\
+         [[mesh]]\nfile = \"sheet.obj\"\nmaterial = \"m\"\n{rest}",
+        5.0 * s,
+        5.0 * c
+    )
+}
+
+/// A square at height `z`, from −`half` to `half`, as OBJ.
+pub fn square(half: f64, z: f64) -> String {
+    obj(&[vec![[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]]])
+}
+
 /// A scene read and built on one backend.
 pub struct Stage {
     pub scene: Scene,

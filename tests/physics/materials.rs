@@ -1,23 +1,10 @@
 //! O19, O22, the furnaces of metals and glass, and opaque bodies that must not leak.
 
-use crate::harness::{cube, obj, on_every_backend, sphere, stage, torus};
+use crate::harness::{SKY, cube, obj, on_every_backend, sheet, sphere, square, stage, torus};
 
-const SKY: &str = "[[light]]\ntype = \"environment\"\nradiance = 1.0\n";
-
-/// A square at z = 0 seen under `degrees` from its normal.
+/// [`sheet`] under a white sky.
 fn sheet_at(degrees: f64, spp: u32, depth: u32, rest: &str) -> String {
-    let (s, c) = degrees.to_radians().sin_cos();
-    format!(
-        "[camera]\ntype = \"orthographic\"\nposition = [{}, 0, {}]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nheight = 1e-3\n\
-         [film]\nsize = [8, 8]\n[render]\nspp = {spp}\nmax_depth = {depth}\n\
-         [[mesh]]\nfile = \"sheet.obj\"\nmaterial = \"m\"\n{SKY}{rest}",
-        5.0 * s,
-        5.0 * c
-    )
-}
-
-fn square(z: f64) -> String {
-    obj(&[vec![[-2.0, -2.0, z], [2.0, -2.0, z], [2.0, 2.0, z], [-2.0, 2.0, z]]])
+    sheet(degrees, spp, depth, &format!("{SKY}{rest}"))
 }
 
 /// Glass over a black sheet shows what it reflects.
@@ -35,7 +22,7 @@ fn o19_fresnel() {
     ];
     on_every_backend(|backend| {
         for (degrees, exact) in rows {
-            let files = [("sheet.obj", square(0.0)), ("black.obj", square(-0.1))];
+            let files = [("sheet.obj", square(2.0, 0.0)), ("black.obj", square(2.0, -0.1))];
             stage(&sheet_at(degrees, 256, 8, black), &files, backend, &[]).statistics().expect(
                 &format!("{degrees}°"),
                 exact,
@@ -54,7 +41,7 @@ fn o22_phong() {
             let phong =
                 format!("[materials.m]\ntype = \"phong\"\ndiffuse = 0.0\nspecular = 1.0\nexponent = {n}\n");
             for (degrees, exact) in [0.0, 30.0, 60.0, 80.0].into_iter().zip(row) {
-                stage(&sheet_at(degrees, 256, 1, &phong), &[("sheet.obj", square(0.0))], backend, &[])
+                stage(&sheet_at(degrees, 256, 1, &phong), &[("sheet.obj", square(2.0, 0.0))], backend, &[])
                     .statistics()
                     .expect(&format!("n {n} at {degrees}°"), exact, 0.0);
             }

@@ -1,26 +1,8 @@
 //! The materials beyond the classics against exact answers: furnaces, slabs, and GGX's albedo by quadrature.
 
-use crate::harness::{Stage, obj, on_every_backend, sphere, stage};
+use crate::harness::{SKY, Stage, on_every_backend, sheet, sphere, square, stage};
 use drt::accel::Backend;
 use std::f64::consts::TAU;
-
-const SKY: &str = "[[light]]\ntype = \"environment\"\nradiance = 1.0\n";
-
-/// A square at z = 0 with the material `m`, seen under `degrees` from its normal.
-fn sheet(degrees: f64, spp: u32, depth: u32, rest: &str) -> String {
-    let (s, c) = degrees.to_radians().sin_cos();
-    format!(
-        "[camera]\ntype = \"orthographic\"\nposition = [{}, 0, {}]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nheight = 1e-3\n\
-         [film]\nsize = [8, 8]\n[render]\nspp = {spp}\nmax_depth = {depth}\n\
-         [[mesh]]\nfile = \"sheet.obj\"\nmaterial = \"m\"\n{rest}",
-        5.0 * s,
-        5.0 * c
-    )
-}
-
-fn square(half: f64, z: f64) -> String {
-    obj(&[vec![[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]]])
-}
 
 /// A ball of the material `m` under a white sky.
 fn ball(material: &str, spp: u32, backend: Backend, set: &[&str]) -> Stage {

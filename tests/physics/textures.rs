@@ -1,10 +1,8 @@
 //! O25 and O27 through textures: where a picture lies on a surface, what its codes mean, what happens between and beyond
 //! its texels. Under a white sky a diffuse surface shows its reflectance, without noise.
 
-use crate::harness::{on_every_backend, picture, stage_bytes};
+use crate::harness::{SKY, on_every_backend, picture, stage_bytes};
 use drt::accel::Backend;
-
-const SKY: &str = "[[light]]\ntype = \"environment\"\nradiance = 1.0\n";
 
 /// The square [0, `side`]² at z = 0, texture coordinates from 0 to `uv`.
 fn square(side: f64, uv: f64) -> Vec<u8> {
