@@ -2,10 +2,11 @@
 //!
 //! The parts are apart so that each can be replaced by another form. `build` (with `split`, `bins`, `partition`) makes
 //! the tree, by `collapse` from two children a node to eight, `morton` the one of low quality, and `spatial` the additional
-//! splits of high quality; `tree` is what they make. `ray` prepares a chunk of rays. `node` and `triangle` are the two kernels over eight and four lanes in their
-//! plain form, `avx` the same operations as intrinsics, `kernel` the choice. `traverse` walks, the rays of a chunk in turns where the
-//! structure is larger than a core's cache; `few` does without the tree where there are only some tens of triangles (`filter`);
-//! and `meeting` says of one triangle a lane where it is met.
+//! splits of high quality; `tree` is what they make. `ray` prepares a chunk of rays. `node` and `triangle` are the two
+//! kernels over eight and four lanes in their plain form, `avx` the same operations as intrinsics, `kernel` the choice
+//! between them and the hints to the memory. `traverse` walks, the rays of a chunk in turns where the structure is
+//! larger than a core's cache; `few` does without the tree where there are only some tens of triangles (`filter`); and
+//! `meeting` says of one triangle a lane where it is met.
 //!
 //! A hit is a function of the ray and of one triangle alone; boxes only leave triangles out that cannot be
 //! hit (proofs in `node` and `triangle`), and ties go to the lowest id. Hits at edges are settled once more among
