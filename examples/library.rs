@@ -12,7 +12,7 @@ use drt::math::{DVec3, Rgb};
 use drt::output;
 use drt::render::{Hooks, build, render};
 use drt::scene::{Scene, Settings};
-use drt::shape::{FaceMaterials, Mesh};
+use drt::shape::{FaceMaterials, Instances, Mesh};
 use std::f32::consts::{PI, TAU};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -45,6 +45,7 @@ fn scene(size: [u32; 2]) -> Scene {
             Arc::new(quad([[-1.0, 4.0, -1.0], [1.0, 4.0, -1.0], [1.0, 4.0, 1.0], [-1.0, 4.0, 1.0]], 1)),
             Arc::new(sphere([0.0, 1.0, 0.0], 1.0, 2)),
         ],
+        instances: Instances::default(),
         materials: vec![Material::diffuse("floor", Rgb::splat(0.6)), lamp, ball],
         lights: vec![Light::Environment(Environment::Constant(Rgb::splat(0.25)))],
         camera: CameraSpec {
@@ -55,6 +56,9 @@ fn scene(size: [u32; 2]) -> Scene {
             window: CameraSpec::fov_window(36.0, size),
             aperture: Aperture::default(),
             focus_distance: 6.0,
+            shutter: [0.0; 2],
+            motion: None,
+            fps: 24.0,
         },
     }
 }

@@ -69,7 +69,13 @@ pub fn build(
         progress: &progress,
     };
     settings.backend.check_range(&scene.meshes)?;
-    settings.backend.build(&scene.meshes, &options)
+    settings.backend.check_range(&scene.instances.meshes)?;
+    settings.backend.build_all(&scene.geometry(), &options)
+}
+
+/// The settings that a whole picture of `scene` will tell, as JSON.
+pub fn attribute(scene: &Scene, settings: &Settings, accel: &dyn Intersector) -> String {
+    settings_json(settings, accel, scene, (settings.spp, settings.spp))
 }
 
 /// The samples of block `k`: the first sample alone, so that a whole picture exists soon; the other 15 of
@@ -127,7 +133,7 @@ pub fn focus(scene: &Scene, settings: &Settings, accel: &dyn Intersector, pixel:
             .advise("give a perspective camera an aperture, e.g. --set camera.aperture=0.05"));
     }
     let place = |i: u32, n: u32| ((f64::from(i) + 0.5) / f64::from(n)) as f32;
-    let ray = camera.clone().pinhole().ray(place(x, width), place(y, height), [0.5; 2]);
+    let ray = camera.clone().pinhole().ray(place(x, width), place(y, height), [0.5; 2], 0.0);
     let hit = accel.closest_one(ray.o, ray.d, 0.0, f32::INFINITY).map(|hit| hit.t);
     let lamps = scene.lights.iter().filter_map(|light| match light {
         Light::Sphere(s) => s.intersect(ray.o, ray.d, 0.0, f32::INFINITY),

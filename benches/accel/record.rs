@@ -111,7 +111,7 @@ fn camera_rays(scene: &Scene, random: &mut Random, rays: usize) -> Vec<Rays> {
         for lane in 0..LANES {
             let (x, y) = (tile % tiles * 4 + lane % 4, tile / tiles * 4 + lane / 4);
             let (x, y) = (x as f32 + random.next(), y as f32 + random.next());
-            let ray = scene.camera.ray(x / side, y / side, [0.5; 2]);
+            let ray = scene.camera.ray(x / side, y / side, [0.5; 2], 0.0);
             chunk.set(lane, ray.o, ray.d, 0.0, f32::INFINITY);
         }
         chunk

@@ -36,6 +36,9 @@ impl Scene {
             window: CameraSpec::fov_window(fov, [1, 1]),
             aperture: Aperture::default(),
             focus_distance: 1.0,
+            shutter: [0.0; 2],
+            motion: None,
+            fps: 24.0,
         };
         Ok(Scene {
             name: name.to_string(),

@@ -10,7 +10,7 @@ mod exact;
 pub use edge_on::Outline;
 use exact::volume;
 
-use super::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, Rays};
+use super::{Checked, Coherence, Geometry, Hits, Intersector, LANES, MISS, Mask, Rays};
 use crate::math::{DVec3, Vec3};
 use crate::shape::Mesh;
 use std::sync::Arc;
@@ -148,6 +148,23 @@ impl Brute {
             }
         }
         Brute { triangles }
+    }
+
+    /// Collects those of instances as well, where they stand at a time of the shutter (0 to 1), to f64's rounding.
+    pub fn of(geometry: &Geometry<'_>, time: f32) -> Brute {
+        let mut brute = Brute::new(geometry.meshes);
+        let [open, close] = geometry.shutter;
+        let seconds = open + (close - open) * f64::from(time);
+        for (i, place) in geometry.instances.places.iter().enumerate() {
+            let there = place.transform(seconds);
+            let mesh = &geometry.instances.meshes[place.mesh as usize];
+            let id = (geometry.meshes.len() + i) as u32;
+            for triangle in (0..mesh.indices.len()).filter(|t| has_area(mesh.triangle(*t))) {
+                let corners = mesh.triangle(triangle).map(|p| there.transform_point3(p.as_dvec3()));
+                brute.triangles.push((corners, id, triangle as u32));
+            }
+        }
+        brute
     }
 
     /// Every triangle met on the ray's interval, in the order of ids.

@@ -11,6 +11,8 @@
 //! Both sides of a triangle are hit. Barycentrics are Embree's: `p = (1−u−v)·v0 + u·v1 + v·v2`.
 //! Triangles of zero area are never hit.
 //!
+//! Meshes that stand in several places or move are one level above all backends (`instances`).
+//!
 //! # Used on its own
 //! The module needs nothing but meshes: [`Backend::build`], then [`Intersector::closest`] and
 //! [`Intersector::occluded`] for chunks of rays, or [`Intersector::closest_one`] for one (`examples/trace.rs` is
@@ -37,6 +39,7 @@ pub mod brute;
 pub mod bvh;
 #[cfg(feature = "embree")]
 pub mod embree;
+mod instances;
 pub mod judge;
 pub(crate) mod settle;
 
@@ -44,6 +47,7 @@ use crate::error::{Error, Result, unknown_word_advice};
 use crate::math::Vec3;
 use crate::math::isa::Isa;
 use crate::shape::Mesh;
+pub use instances::Geometry;
 use std::sync::Arc;
 
 /// Rays in a chunk.
@@ -136,9 +140,17 @@ impl Rays {
                 & ((self.tmax[lane].abs() <= LARGEST) | (self.tmax[lane] == f32::INFINITY));
             sound |= (ok as Mask) << lane;
         }
-        Checked { rays: self, active: active & sound, rejected: (active & !sound).count_ones() }
+        Checked {
+            rays: self,
+            active: active & sound,
+            rejected: (active & !sound).count_ones(),
+            times: &OPENING,
+        }
     }
 }
+
+/// The times of rays that leave when the shutter opens.
+static OPENING: [f32; LANES] = [0.0; LANES];
 
 /// Rays that passed [`Rays::check`]; every active lane is finite.
 #[derive(Clone, Copy, Debug)]
@@ -146,6 +158,7 @@ pub struct Checked<'a> {
     rays: &'a Rays,
     active: Mask,
     rejected: u32,
+    times: &'a [f32; LANES],
 }
 
 impl<'a> Checked<'a> {
@@ -159,6 +172,19 @@ impl<'a> Checked<'a> {
     #[inline]
     pub fn active(&self) -> Mask {
         self.active
+    }
+
+    /// The same rays, each at a time: 0 when the shutter opens, 1 when it closes. Matters where things move alone.
+    #[inline]
+    #[must_use]
+    pub fn at(self, times: &'a [f32; LANES]) -> Checked<'a> {
+        Checked { times, ..self }
+    }
+
+    /// When the rays are under way; as the shutter opens, unless they were said to be [`Checked::at`] other times.
+    #[inline]
+    pub fn times(&self) -> &'a [f32; LANES] {
+        self.times
     }
 
     /// How many lanes the gate refused.
@@ -178,7 +204,7 @@ pub struct Hits {
     pub u: [f32; LANES],
     /// Barycentric weight of the third corner.
     pub v: [f32; LANES],
-    /// Index of the mesh; [`MISS`] where nothing was hit.
+    /// Index of the mesh; [`MISS`] where nothing was hit. Instances go on counting after the meshes ([`Geometry`]).
     pub mesh: [u32; LANES],
     /// Index of the triangle in its mesh.
     pub triangle: [u32; LANES],
@@ -246,6 +272,9 @@ pub trait Intersector: Send + Sync {
         self.closest(rays.check(1), Coherence::Incoherent, &mut hits);
         hits.get(0)
     }
+
+    /// From now on the shutter opens and closes at other times (seconds). Only what moves depends on it.
+    fn set_shutter(&mut self, _shutter: [f64; 2]) {}
 
     /// Bytes of the structure itself, without the meshes' buffers.
     fn bytes(&self) -> usize;
@@ -381,5 +410,20 @@ impl Backend {
             Backend::Embree => Ok(Box::new(embree::Embree::build(meshes, options)?)),
             Backend::Bvh => Ok(Box::new(bvh::Bvh::build(meshes, options)?)),
         }
+    }
+
+    /// Builds the structure over meshes at rest and instances; without any of the latter, as [`Backend::build`].
+    ///
+    /// # Errors
+    /// As [`Backend::build`].
+    pub fn build_all(
+        self,
+        geometry: &Geometry<'_>,
+        options: &BuildOptions<'_>,
+    ) -> Result<Box<dyn Intersector>> {
+        if geometry.instances.places.is_empty() {
+            return self.build(geometry.meshes, options);
+        }
+        Ok(Box::new(instances::TwoLevel::build(self, geometry, options)?))
     }
 }

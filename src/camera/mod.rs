@@ -14,6 +14,9 @@ pub use lens::Aperture;
 
 use crate::error::{Error, Result};
 use crate::math::{DVec3, Vec3};
+use crate::shape::{Motion, rotation};
+use glam::DAffine3;
+use std::sync::Arc;
 
 /// The rectangle of the image plane that the picture shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,6 +79,12 @@ pub struct CameraSpec {
     pub aperture: Aperture,
     /// Distance of the plane in focus along the viewing axis, in metres.
     pub focus_distance: f64,
+    /// When the shutter opens and closes, in seconds.
+    pub shutter: [f64; 2],
+    /// Moves the whole camera, in the file's coordinates; `None`: it stands.
+    pub motion: Option<Arc<Motion>>,
+    /// Pictures a second, where a series of them is made.
+    pub fps: f64,
 }
 
 impl CameraSpec {
@@ -87,6 +96,17 @@ impl CameraSpec {
     /// The window of an orthographic camera that shows `height` metres.
     pub fn height_window(height: f64, size: [u32; 2]) -> Window {
         Self::symmetric_window(0.5 * height, size)
+    }
+
+    /// The same camera gone around the point looked at by so many degrees, counter-clockwise seen from above.
+    #[must_use]
+    pub fn orbited(&self, degrees: f64) -> CameraSpec {
+        let mut camera = self.clone();
+        if degrees != 0.0 {
+            let turn = rotation(self.up.normalize_or(DVec3::Y), degrees);
+            camera.position = self.look_at + turn * (self.position - self.look_at);
+        }
+        camera
     }
 
     fn symmetric_window(top: f64, size: [u32; 2]) -> Window {
@@ -107,6 +127,24 @@ pub struct Camera {
     distance: f32,
     aperture: Aperture,
     focus_distance: f32,
+    moving: Option<Moving>,
+}
+
+/// A camera's motion, from and to scene coordinates.
+#[derive(Clone, Debug)]
+struct Moving {
+    motion: Arc<Motion>,
+    origin: DVec3,
+    shutter: [f64; 2],
+}
+
+impl Moving {
+    /// At a time between 0, when the shutter opens, and 1.
+    fn at(&self, time: f32) -> DAffine3 {
+        let [open, close] = self.shutter;
+        let there = self.motion.at(open + (close - open) * f64::from(time));
+        DAffine3::from_translation(-self.origin) * there * DAffine3::from_translation(self.origin)
+    }
 }
 
 /// A ray leaving the camera; `d` is unit.
@@ -158,13 +196,23 @@ impl Camera {
             distance: w.distance as f32,
             aperture: spec.aperture,
             focus_distance: spec.focus_distance as f32,
+            moving: spec.motion.clone().map(|motion| Moving { motion, origin, shutter: spec.shutter }),
         })
     }
 
     /// The ray through image point (`x`, `y`), where (0, 0) is the top left and (1, 1) the bottom right
-    /// corner of the picture; `lens` is uniform in the unit square.
+    /// corner of the picture; `lens` is uniform in the unit square. `time`: 0 when the shutter opens, 1 when it closes.
     #[inline(always)]
-    pub fn ray(&self, x: f32, y: f32, lens: [f32; 2]) -> CameraRay {
+    pub fn ray(&self, x: f32, y: f32, lens: [f32; 2], time: f32) -> CameraRay {
+        let ray = self.standing_ray(x, y, lens);
+        match &self.moving {
+            None => ray,
+            Some(moving) => moved(&ray, &moving.at(time)),
+        }
+    }
+
+    #[inline(always)]
+    fn standing_ray(&self, x: f32, y: f32, lens: [f32; 2]) -> CameraRay {
         let [l, r, t, b] = self.window;
         let (alpha, beta) = (l + x * (r - l), t + y * (b - t));
         match self.projection {
@@ -174,9 +222,12 @@ impl Camera {
         }
     }
 
-    /// The distance along the viewing axis of what lies at `t` on a ray along the unit direction `d`.
+    /// The distance along the viewing axis of what lies at `t` on a ray along the unit direction `d`, as the shutter opens.
     pub fn depth(&self, d: Vec3, t: f32) -> f64 {
-        f64::from(t) * d.as_dvec3().dot(self.forward.as_dvec3())
+        let forward = self.forward.as_dvec3();
+        let forward =
+            self.moving.as_ref().map_or(forward, |moving| moving.at(0.0).transform_vector3(forward));
+        f64::from(t) * d.as_dvec3().dot(forward)
     }
 
     /// The same camera as a pinhole.
@@ -190,6 +241,12 @@ impl Camera {
     pub fn has_lens(&self) -> bool {
         self.aperture.radius > 0.0 && self.projection == Projection::Perspective
     }
+}
+
+/// The ray from a camera that has moved.
+fn moved(ray: &CameraRay, there: &DAffine3) -> CameraRay {
+    let (o, d) = (there.transform_point3(ray.o.as_dvec3()), there.transform_vector3(ray.d.as_dvec3()));
+    CameraRay { o: o.as_vec3(), d: d.as_vec3().normalize() }
 }
 
 #[cfg(test)]

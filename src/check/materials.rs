@@ -46,24 +46,41 @@ pub struct TextureReport {
     pub tiles: usize,
 }
 
-/// Triangles by material id, of all meshes together.
-pub(super) fn uses<'m>(meshes: impl IntoIterator<Item = &'m Mesh>, materials: usize) -> Vec<u64> {
+/// Triangles by material id, of all meshes together, each as often as it stands somewhere.
+pub(super) fn uses<'m>(meshes: impl IntoIterator<Item = (&'m Mesh, u64)>, materials: usize) -> Vec<u64> {
     let mut uses = vec![0u64; materials];
-    let mut add = |id: u32, count: u64| {
-        if let Some(slot) = uses.get_mut(id as usize) {
-            *slot += count;
-        }
-    };
-    for mesh in meshes {
+    for (mesh, times) in meshes {
+        let mut add = |id: u32, count: usize| {
+            if let Some(slot) = uses.get_mut(id as usize) {
+                *slot += count as u64 * times;
+            }
+        };
         match &mesh.materials {
-            FaceMaterials::Uniform(id) => add(*id, mesh.indices.len() as u64),
+            FaceMaterials::Uniform(id) => add(*id, mesh.indices.len()),
             FaceMaterials::PerFace(ids) => {
-                ids.chunk_by(|a, b| a == b)
-                    .for_each(|run| add(run.first().copied().unwrap_or(0), run.len() as u64));
+                ids.chunk_by(|a, b| a == b).for_each(|run| add(run.first().copied().unwrap_or(0), run.len()));
             }
         }
     }
     uses
+}
+
+/// The same for a scene: instances may have materials other than their meshes'.
+pub(super) fn uses_in(scene: &Scene) -> Vec<u64> {
+    let mut times = vec![0u64; scene.instances.meshes.len()];
+    let mut others = vec![0u64; scene.materials.len()];
+    for place in &scene.instances.places {
+        let mesh = place.mesh as usize;
+        match place.material.and_then(|id| others.get_mut(id as usize)) {
+            Some(own) => *own += scene.instances.meshes.get(mesh).map_or(0, |m| m.indices.len() as u64),
+            None => times.iter_mut().skip(mesh).take(1).for_each(|count| *count += 1),
+        }
+    }
+    let at_rest = scene.meshes.iter().map(|mesh| (mesh.as_ref(), 1));
+    let placed = scene.instances.meshes.iter().map(AsRef::as_ref).zip(times);
+    let mut all = uses(at_rest.chain(placed), scene.materials.len());
+    all.iter_mut().zip(others).for_each(|(sum, other)| *sum += other);
+    all
 }
 
 /// The materials of a mesh file.

@@ -99,7 +99,7 @@ fn read(
 
 fn check_object(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
     let (object, mesh, mut findings) = read(input, progress, &|_| false)?;
-    let uses = materials::uses([&object.mesh], object.materials.len());
+    let uses = materials::uses([(&object.mesh, 1)], object.materials.len());
     let textures = materials::textures(&object.definitions, &mut findings);
     let materials = materials::of_object(&object, &uses);
     Ok(Report {
@@ -119,12 +119,12 @@ fn check_object(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result
 fn check_scene(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
     let loaded = load::scene(input, load::Options { progress, ..load::Options::default() })?;
     let scene = &loaded.scene;
-    let uses = materials::uses(scene.meshes.iter().map(AsRef::as_ref), scene.materials.len());
+    let uses = materials::uses_in(scene);
     let bounds = scene.bounds();
     let placed = [bounds.min, bounds.max].map(|p| p.as_dvec3() + scene.origin);
     let mut report = Report {
         input: input.to_path_buf(),
-        triangles: scene.triangles(),
+        triangles: scene.placed_triangles(),
         vertices: scene.vertices(),
         skipped_faces: loaded.skipped_faces,
         bounds: (!bounds.is_empty()).then_some(Bounds { min: placed[0], max: placed[1] }),

@@ -115,11 +115,18 @@ impl Job {
             let report = self.replay(&reproducer, &self.contestants)?;
             return self.conclude(&report, &reproducer.meshes, None);
         }
-        let loaded = self.load().map_err(|e| self.ended_early("loading", e))?;
+        let mut loaded = self.load().map_err(|e| self.ended_early("loading", e))?;
         self.console.findings(&loaded.findings);
         let report_file = self.args.output.as_ref().map(|folder| folder.join("report.json"));
         let outputs: Vec<PathBuf> = report_file.into_iter().collect();
         paths::check_inputs(&outputs, None, loaded.files.iter().map(PathBuf::as_path))?;
+        let instances = loaded.scene.instances.places.len();
+        if instances > 0 {
+            self.console.say(&format!(
+                "note: {instances} instances are compared as copies, where they stand when the shutter opens"
+            ));
+        }
+        loaded.scene = diff::at_rest(loaded.scene)?;
         let (scene, settings) = (&loaded.scene, &loaded.settings);
         let needed = machine::prediction(scene.triangles(), settings) + self.rays * RAY_BYTES;
         machine::check_memory(needed)

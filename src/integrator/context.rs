@@ -7,17 +7,24 @@ use crate::error::Result;
 use crate::film::PixelPoints;
 use crate::film::filter::FilterSampler;
 use crate::light::{Emission, Lights, Sampled};
+use crate::math::Rgb;
 use crate::quadrature::hemisphere::HemisphereRule;
 use crate::sampler::{Key, Sampler, SamplerKind, scatter};
 use crate::scene::{IntegratorKind, LightSampling, Scene, Settings};
-use crate::shape::Mesh;
+use crate::shape::{FaceMaterials, Instance, Instances, Mesh};
 use std::sync::Arc;
 
 /// The scene and the tables of one picture.
 #[derive(Debug)]
 pub struct Context<'a> {
-    /// The meshes that hits name.
+    /// The meshes at rest that hits name.
     pub meshes: &'a [Arc<Mesh>],
+    /// The instances that hits name after them.
+    pub instances: &'a Instances,
+    /// When the shutter opens and closes.
+    pub shutter: [f64; 2],
+    /// True when the picture depends on the samples' times.
+    pub moves: bool,
     /// The materials that faces name.
     pub materials: &'a [Material],
     /// All lights.
@@ -40,6 +47,8 @@ pub struct Context<'a> {
     pub has_mixes: bool,
     /// True when a surface of the scene has holes.
     pub has_cutouts: bool,
+    /// True when an instance shines, which no light sample finds.
+    pub has_moving_lamps: bool,
     /// Width and height of the full picture.
     pub size: [u32; 2],
 }
@@ -79,9 +88,13 @@ impl<'a> Context<'a> {
         let samples_lights = lit && !lights.is_empty();
         Ok(Context {
             meshes: &scene.meshes,
+            instances: &scene.instances,
+            shutter: scene.camera.shutter,
+            moves: scene.moves(),
             materials: &scene.materials,
             dimensions: Dimensions::new(
                 camera.has_lens(),
+                scene.moves(),
                 has_lobes,
                 samples_lights.then(|| lights.has_choice()),
             ),
@@ -94,6 +107,7 @@ impl<'a> Context<'a> {
             has_lobes,
             has_mixes: scene.materials.iter().any(|m| m.mix.is_some()),
             has_cutouts,
+            has_moving_lamps: has_moving_lamps(scene),
             size: settings.size,
         })
     }
@@ -121,10 +135,24 @@ impl<'a> Context<'a> {
     }
 }
 
+/// Whether an instance shines.
+fn has_moving_lamps(scene: &Scene) -> bool {
+    let shines = |id: u32| scene.materials.get(id as usize).is_some_and(|m| m.emission != Rgb::ZERO);
+    let of_mesh = |mesh: &Arc<Mesh>| match &mesh.materials {
+        FaceMaterials::Uniform(id) => shines(*id),
+        FaceMaterials::PerFace(ids) => ids.iter().any(|id| shines(*id)),
+    };
+    let own: Vec<bool> = scene.instances.meshes.iter().map(of_mesh).collect();
+    let of_place = |place: &Instance| place.material.map_or(own[place.mesh as usize], shines);
+    scene.instances.places.iter().any(of_place)
+}
+
 /// Which dimension of a sample decides what. Only decisions that the picture can need get one of the first
 /// dimensions, which are the best distributed.
 #[derive(Clone, Copy, Debug)]
 pub struct Dimensions {
+    /// One: when the sample is taken, where something moves.
+    pub time: u32,
     first: u32,
     stride: u32,
     lobes: u32,
@@ -158,10 +186,11 @@ impl Dimensions {
     const MIX: u32 = 1 << 29;
 
     /// `lights`: whether they are sampled, and then whether there is a choice among them.
-    fn new(lens: bool, lobes: bool, lights: Option<bool>) -> Dimensions {
+    fn new(lens: bool, moves: bool, lobes: bool, lights: Option<bool>) -> Dimensions {
         let lobes = u32::from(lobes);
         let lights = lights.map_or(0, |choice| 2 + u32::from(choice));
-        Dimensions { first: if lens { 4 } else { 2 }, stride: 2 + lobes + lights, lobes }
+        let time = if lens { 4 } else { 2 };
+        Dimensions { time, first: time + u32::from(moves), stride: 2 + lobes + lights, lobes }
     }
 
     /// The dimensions of the vertex that is reached after `depth` scattering events.

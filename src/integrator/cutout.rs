@@ -4,7 +4,7 @@
 //! such materials come here.
 
 use super::{Context, Dimensions};
-use crate::accel::{Coherence, Hits, Intersector, LANES, MISS, Mask, Rays, for_lanes};
+use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, Rays, for_lanes};
 use crate::light::sphere;
 use crate::math::ray::leave;
 use crate::sampler::{Key, scatter};
@@ -19,8 +19,8 @@ fn opacity(cx: &Context<'_>, hits: &Hits, lane: usize) -> Option<f32> {
     if id & sphere::SPHERE != 0 {
         return None; // a lamp, or nothing at all
     }
-    let mesh = &cx.meshes[id as usize];
-    let maps = cx.materials[mesh.materials.get(triangle) as usize].maps.as_ref()?;
+    let (mesh, _) = cx.mesh(id);
+    let maps = cx.materials[cx.material(id, triangle as u32) as usize].maps.as_ref()?;
     let opacity = maps.opacity.as_ref()?;
     Some(opacity.at(mesh.uv(triangle, hits.u[lane], hits.v[lane])))
 }
@@ -39,9 +39,13 @@ impl Onward {
     }
 
     /// Puts a lane behind its hit. The new start is as far from the surface as any ray that leaves one.
-    fn step(&mut self, cx: &Context<'_>, start: &Rays, hits: &Hits, lane: usize) {
-        let mesh = &cx.meshes[hits.mesh[lane] as usize];
-        let surface = Surface::faceted(mesh, hits.triangle[lane], hits.u[lane], hits.v[lane]);
+    fn step(&mut self, cx: &Context<'_>, start: Checked<'_>, hits: &Hits, lane: usize) {
+        let (mesh, place) = cx.mesh(hits.mesh[lane]);
+        let mut surface = Surface::faceted(mesh, hits.triangle[lane], hits.u[lane], hits.v[lane]);
+        if let Some(place) = place {
+            surface = surface.placed(&cx.transform(place, start.times()[lane]));
+        }
+        let start = start.rays();
         let d = start.d(lane);
         let o = leave(surface.p, surface.error, surface.ng, d);
         let gone = (o - start.o(lane)).dot(d) / d.length_squared();
@@ -56,12 +60,12 @@ impl Onward {
 pub(super) fn pass(
     cx: &Context<'_>,
     accel: &dyn Intersector,
-    start: &Rays,
-    mut active: Mask,
+    start: Checked<'_>,
     hits: &mut Hits,
     stays: impl Fn(usize, &Hits, f32) -> bool,
 ) -> u64 {
     let mut onward: Option<Onward> = None;
+    let mut active = start.active();
     let mut traced = 0;
     for _ in 0..MOST_HOLES {
         let mut passing: Mask = 0;
@@ -72,9 +76,9 @@ pub(super) fn pass(
         if passing == 0 {
             break;
         }
-        let onward = onward.get_or_insert_with(|| Onward::new(start));
+        let onward = onward.get_or_insert_with(|| Onward::new(start.rays()));
         for_lanes(passing, |lane| onward.step(cx, start, hits, lane));
-        let rays = onward.rays.check(passing);
+        let rays = onward.rays.check(passing).at(start.times());
         traced += u64::from(rays.active().count_ones());
         for_lanes(passing, |lane| hits.mesh[lane] = MISS);
         accel.closest(rays, Coherence::Incoherent, hits);
@@ -91,16 +95,16 @@ pub(super) fn pass(
 pub(super) fn transmittance(
     cx: &Context<'_>,
     accel: &dyn Intersector,
-    start: &Rays,
+    start: Checked<'_>,
     lanes: Mask,
 ) -> ([f32; LANES], u64) {
     let mut share = [1.0; LANES];
-    let mut onward = Onward::new(start);
+    let mut onward = Onward::new(start.rays());
     let mut active = lanes;
     let mut traced = 0;
     for _ in 0..MOST_HOLES {
         let mut hits = Hits::default();
-        let rays = onward.rays.check(active);
+        let rays = onward.rays.check(active).at(start.times());
         traced += u64::from(rays.active().count_ones());
         accel.closest(rays, Coherence::Incoherent, &mut hits);
         let mut passing: Mask = 0;

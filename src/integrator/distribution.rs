@@ -200,7 +200,9 @@ impl Distribution {
         let d = v.frame.to_world(sample.wi);
         let pdf = competing_pdf(self.lights, cx.samples_lights, sample.pdf);
         // At the last depth a ray of density zero has nothing left to find.
-        if !v.on_the_same_side_as(sample.wi, d) || (pdf == 0.0 && depth + 1 == self.max_depth) {
+        if !v.on_the_same_side_as(sample.wi, d)
+            || (pdf == 0.0 && depth + 1 == self.max_depth && !cx.has_moving_lamps)
+        {
             return;
         }
         let o = leave(v.surface.p, v.surface.error, v.surface.ng, d);

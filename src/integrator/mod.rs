@@ -15,6 +15,7 @@ mod distribution;
 mod lanes;
 mod normals;
 mod path;
+mod place;
 mod stats;
 pub mod wave;
 
@@ -136,6 +137,10 @@ pub trait Integrator: Sync {
 fn emitted(cx: &Context<'_>, v: &Vertex, out: &mut impl Sink) {
     let le = cx.lights.emitted(v.material, &v.surface, v.wo);
     if le == Rgb::ZERO {
+        return;
+    }
+    if !cx.lights.samples(v.ids[0]) {
+        out.emit(v.arrival.beta * le);
         return;
     }
     let competes = v.arrival.pdf > 0.0 && v.arrival.pdf < f32::INFINITY;

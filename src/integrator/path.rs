@@ -66,7 +66,7 @@ impl Integrator for Path {
             }
         }
         let pdf = competing_pdf(self.lights, light_sampled, sample.pdf);
-        if pdf == 0.0 && depth + 1 == self.max_depth {
+        if pdf == 0.0 && depth + 1 == self.max_depth && !cx.has_moving_lamps {
             return; // the next vertex could only emit, and that has been counted
         }
         let o = leave(v.surface.p, v.surface.error, v.surface.ng, wi);

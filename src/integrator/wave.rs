@@ -9,15 +9,15 @@ mod first;
 mod pushed;
 
 use super::cutout;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Paths};
 use super::{Arrival, Context, Extension, Integrator, RenderStats, Vertex};
-use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, for_lanes};
+use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, for_lanes};
 use crate::bsdf::{Bsdf, Material, Scatter, View};
 use crate::film::{Film, Tile};
 use crate::light::{End, Receiver, sphere};
 use crate::math::{DVec3, Rgb};
 use crate::shape::Surface;
-use first::{camera_ray, first_hit, first_hit_of_lamp};
+use first::{camera_ray, first_hit, first_hit_of_lamp, time};
 use pushed::{PathSink, Pushed, Slot};
 use std::ops::Range;
 use std::time::Instant;
@@ -128,11 +128,12 @@ impl Wave {
             }
             for index in job.samples.clone() {
                 let key = cx.sampler.key(y * cx.size[0] + x, index);
-                let (ray, weight) = camera_ray(cx, x, y, key);
+                let time = time(cx, key);
+                let (ray, weight) = camera_ray(cx, x, y, key, time);
                 let (pdf, normal) = (f32::INFINITY, Receiver::ALL_AROUND);
                 let first = Extension { o: ray.o, d: ray.d, beta: Rgb::ONE, pdf, normal, branch: 0 };
                 next.follow(first, slots.len() as u32);
-                slots.push(Slot { key, pixel, weight, radiance: DVec3::ZERO });
+                slots.push(Slot { key, pixel, weight, time, radiance: DVec3::ZERO });
             }
         }
     }
@@ -144,7 +145,8 @@ impl Wave {
         *counter += self.current.len as u64;
         self.hits.resize(self.current.rays.len().max(self.hits.len()), Hits::default());
         for (chunk, mask) in self.current.chunks() {
-            let rays: Checked<'_> = self.current.rays[chunk].check(mask);
+            let times = times(job.cx, &self.current.paths[chunk], mask, &self.pushed.slots);
+            let rays: Checked<'_> = self.current.rays[chunk].check(mask).at(&times);
             if rays.rejected() > 0 {
                 self.stats.rejected_rays += u64::from(rays.rejected());
                 self.hits[chunk].mesh = [MISS; LANES];
@@ -161,8 +163,7 @@ impl Wave {
                     let hit = [hits.mesh[lane], hits.triangle[lane]];
                     cutout::counts(job.cx, key, [depth, path.branch[lane]], hit, opacity)
                 };
-                self.stats.bounce_rays +=
-                    cutout::pass(job.cx, job.accel, rays.rays(), rays.active(), hits, counts);
+                self.stats.bounce_rays += cutout::pass(job.cx, job.accel, rays, hits, counts);
             }
         }
     }
@@ -179,7 +180,7 @@ impl Wave {
             let group = if mesh & sphere::SPHERE != 0 {
                 0 // a lamp, or nothing at all
             } else {
-                let material = cx.meshes[mesh as usize].materials.get(triangle as usize);
+                let material = cx.material(mesh, triangle);
                 let path = &self.current.paths[i / LANES];
                 let key = self.pushed.slots[path.slot[i % LANES] as usize].key;
                 let part = cx.part(material, key, depth, path.branch[i % LANES]);
@@ -278,14 +279,18 @@ impl Wave {
     fn vertex(&self, cx: &Context<'_>, chunk: usize, lane: usize, arrival: Arrival) -> (Vertex, [u32; 3]) {
         let hits = &self.hits[chunk];
         let (id, triangle) = (hits.mesh[lane], hits.triangle[lane]);
-        let mesh = &cx.meshes[id as usize];
+        let (mesh, place) = cx.mesh(id);
         let mut surface = Surface::new(mesh, triangle, hits.u[lane], hits.v[lane]);
         let rays = &self.current.rays[chunk];
         let (origin, wo) = (rays.o(lane), -rays.d(lane));
-        let material = mesh.materials.get(triangle as usize);
+        let material = cx.material(id, triangle);
         let part = cx.part(material, arrival.key, arrival.depth, arrival.branch);
         if let Some(maps) = &cx.materials[part as usize].maps {
             surface.ns = maps.normal(&surface, mesh, triangle as usize);
+        }
+        if let Some(place) = place {
+            let slot = self.current.paths[chunk].slot[lane] as usize;
+            surface = surface.placed(&cx.transform(place, self.pushed.slots[slot].time));
         }
         let frame = surface.frame_towards(wo);
         let view = View { wo: frame.to_local(wo), outside: surface.ng.dot(wo) > 0.0 };
@@ -300,7 +305,8 @@ impl Wave {
         let Pushed { shadows, slots, .. } = &mut self.pushed;
         self.stats.shadow_rays += shadows.len as u64;
         for (chunk, mask) in shadows.chunks() {
-            let rays = shadows.rays[chunk].check(mask);
+            let times = times(job.cx, &shadows.paths[chunk], mask, slots);
+            let rays = shadows.rays[chunk].check(mask).at(&times);
             self.stats.rejected_rays += u64::from(rays.rejected());
             let mut open = rays.active();
             if !job.cx.lights.spheres.is_empty() {
@@ -312,7 +318,7 @@ impl Wave {
                 slots[slot(lane)].radiance += shadows.beta(chunk, lane).as_dvec3();
             });
             if job.cx.has_cutouts && open & blocked != 0 {
-                let (share, traced) = cutout::transmittance(job.cx, job.accel, rays.rays(), open & blocked);
+                let (share, traced) = cutout::transmittance(job.cx, job.accel, rays, open & blocked);
                 self.stats.shadow_rays += traced;
                 for_lanes(open & blocked, |lane| {
                     let passed = shadows.beta(chunk, lane).as_dvec3() * f64::from(share[lane]);
@@ -333,6 +339,16 @@ impl Wave {
             tile.add(slot.pixel as usize, if sound { c } else { DVec3::ZERO }, slot.weight);
         }
     }
+}
+
+/// When the rays of a chunk are under way.
+#[inline(always)]
+fn times(cx: &Context<'_>, paths: &Paths, mask: Mask, slots: &[Slot]) -> [f32; LANES] {
+    let mut times = [0.0; LANES];
+    if cx.moves {
+        for_lanes(mask, |lane| times[lane] = slots[paths.slot[lane] as usize].time);
+    }
+    times
 }
 
 /// Seconds since `clock`, which is set to now.

@@ -199,6 +199,13 @@ impl Lights {
         if emission.two_sided || surface.ng.dot(wo) > 0.0 { emission.at(surface.uv) } else { Rgb::ZERO }
     }
 
+    /// True when light samples are taken of the shining triangles of a hit's mesh: they are of all that is at rest, and
+    /// what has instances shines on who meets it by chance.
+    #[inline(always)]
+    pub fn samples(&self, mesh: u32) -> bool {
+        (mesh as usize) < self.owners.len()
+    }
+
     /// Density per solid angle with which [`Lights::sample`] would have chosen, at `from`, the point `surface` that a ray
     /// met at distance `t` on a triangle of a mesh.
     #[inline(always)]
@@ -210,7 +217,7 @@ impl Lights {
         wo: Vec3,
         t: f32,
     ) -> f32 {
-        let owners = &self.owners[mesh as usize];
+        let Some(owners) = self.owners.get(mesh as usize) else { return 0.0 };
         let Some(&emitter) = owners.emitters.get(triangle.wrapping_sub(owners.first) as usize) else {
             return 0.0;
         };

@@ -2,11 +2,13 @@
 
 mod lights;
 mod palette;
+mod places;
+mod prototypes;
+mod seen;
 
 use super::auto::{self, Sky};
 use super::materials::MaterialSpec;
 use super::object::{self, Object};
-use super::place::{Extent, NormalsMode, Transform, place, rename_materials};
 use super::scene_file::{LightPlan, MaterialPatch, MeshPlan, Plan};
 use super::sky::{SkyPicture, SkySource};
 use super::texture;
@@ -14,9 +16,10 @@ use super::{Loaded, Options, cancelled};
 use crate::error::{Error, Finding, Result, Severity, nearest, show_path};
 use crate::math::DVec3;
 use crate::scene::{IntegratorKind, Scene};
-use crate::shape::{FaceMaterials, Mesh};
 use lights::{is_dark, lamp, place_light};
 use palette::{Choice, Palette};
+use places::{Placement, Stock, place_all, scene_origin};
+use seen::seen;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -46,8 +49,10 @@ pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) 
         .map(|((mesh, file), choice)| Placement {
             file: *file,
             transform: mesh.transform,
+            course: mesh.course.clone(),
             normals: mesh.normals,
             choice,
+            instance: mesh.instance,
         })
         .collect();
     for (name, field) in palette.unused() {
@@ -65,19 +70,24 @@ pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) 
     let of_file =
         |p: &Placement| objects.get(p.file).and_then(Option::as_ref).map_or(0, |o| o.counts.triangles);
     let in_files: u64 = placements.iter().map(of_file).sum();
-    let origin = scene_origin(&placements, &objects);
-    let mut meshes = place_all(&placements, &mut objects, origin, &plan.meshes, options)?;
+    let open = plan.camera.shutter[0];
+    let origin = scene_origin(&placements, &objects, open);
+    let stock = Stock::new(&mut objects, &palette.specs, origin);
+    let (mut meshes, mut instances) = place_all(&placements, stock, &plan.meshes, options)?;
+    let of_files = meshes.len();
     let up = plan.camera.up.unwrap_or(DVec3::Y);
-    let camera = plan.camera.frame(options.view.unwrap_or_default(), plan.settings.size, &meshes, origin);
+    let is_framed = plan.camera.position.is_none() || plan.camera.look_at.is_none();
+    let seen = if is_framed || options.ground { seen(&meshes, &instances, open) } else { Vec::new() };
+    let camera = plan.camera.frame(options.view.unwrap_or_default(), plan.settings.size, &seen, origin);
     if options.ground {
-        let bounds = meshes.iter().fold(crate::math::Aabb::EMPTY, |b, m| b.union(m.bounds()));
+        let bounds = seen.iter().fold(crate::math::Aabb::EMPTY, |b, m| b.union(m.bounds()));
         let id = palette.add(MaterialSpec::diffuse("ground", auto::GROUND));
         meshes.push(Arc::new(auto::ground(&bounds, up, id)));
     }
     for light in &plan.lights {
         meshes.extend(lamp(light, origin, &mut palette).map(Arc::new));
     }
-    let added = meshes.get(placements.len()..).unwrap_or_default();
+    let added = meshes.get(of_files..).unwrap_or_default();
     let triangles = in_files + added.iter().map(|m| m.indices.len() as u64).sum::<u64>();
     let forward = camera.look_at - camera.position;
     let lights = plan.lights.iter().flat_map(|light| place_light(light, origin, up, forward)).collect();
@@ -90,8 +100,12 @@ pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) 
     let job = texture::Job { most_bytes: options.max_texture_bytes, progress: options.progress };
     let specs = palette.specs();
     let textures = texture::StatedTexture::of(&specs, input);
+    // Both kinds of meshes at once, so that a material's warnings are told once.
+    let at_rest = meshes.len();
+    meshes.append(&mut instances.meshes);
     let materials = texture::build(&specs, &mut meshes, &job, &mut findings)?;
-    let scene = Scene { origin, meshes, materials, lights, camera };
+    instances.meshes = meshes.split_off(at_rest);
+    let scene = Scene { origin, meshes, instances, materials, lights, camera };
     crate::camera::Camera::new(&scene.camera, scene.origin).map_err(|e| e.at(input))?;
     if is_dark(&scene)
         && !matches!(plan.settings.integrator, IntegratorKind::Ao { .. } | IntegratorKind::Normals)
@@ -158,71 +172,6 @@ fn read_objects(plan: &Plan<'_>, options: &Options<'_>) -> Result<(Files, Vec<Op
         })
         .collect();
     Ok((Files { paths, of_mesh }, objects?))
-}
-
-/// Where a file's mesh stands, and how.
-#[derive(Clone, PartialEq)]
-struct Placement {
-    file: usize,
-    transform: Transform,
-    normals: NormalsMode,
-    choice: Choice,
-}
-
-/// The origin that all meshes share, where they do and nothing moves them; else by the scene's extent.
-fn scene_origin(placements: &[Placement], objects: &[Option<Object>]) -> DVec3 {
-    let object = |p: &Placement| objects.get(p.file).and_then(Option::as_ref);
-    let own: Option<Vec<DVec3>> = placements
-        .iter()
-        .map(|p| object(p).filter(|_| p.transform == Transform::IDENTITY).map(|o| o.origin))
-        .collect();
-    if let Some([first, rest @ ..]) = own.as_deref()
-        && rest.iter().all(|o| o == first)
-    {
-        return *first;
-    }
-    let extent = placements.iter().fold(Extent::EMPTY, |sum, p| match object(p) {
-        Some(o) => sum.add(&o.mesh.bounds(), o.origin, &p.transform),
-        None => sum,
-    });
-    extent.origin()
-}
-
-/// Every mesh in its place. Equal placements share one mesh; the last use of a file takes its memory over.
-fn place_all(
-    placements: &[Placement],
-    objects: &mut [Option<Object>],
-    origin: DVec3,
-    plans: &[MeshPlan<'_>],
-    options: &Options<'_>,
-) -> Result<Vec<Arc<Mesh>>> {
-    let mut meshes: Vec<Arc<Mesh>> = Vec::with_capacity(placements.len());
-    for (i, placement) in placements.iter().enumerate() {
-        if !(options.progress)(1.0) {
-            return Err(cancelled());
-        }
-        let before = placements.get(..i).unwrap_or_default();
-        if let Some(shared) = before.iter().position(|p| p == placement).and_then(|at| meshes.get(at)) {
-            meshes.push(shared.clone());
-            continue;
-        }
-        let later = placements.get(i + 1..).unwrap_or_default();
-        let is_last = later.iter().all(|p| p.file != placement.file || *p == *placement);
-        let Some(slot) = objects.get_mut(placement.file) else { continue };
-        let taken = if is_last { slot.take().map(|o| (o.mesh, o.origin)) } else { None };
-        let Some((mut mesh, from)) = taken.or_else(|| slot.as_ref().map(|o| (o.mesh.clone(), o.origin)))
-        else {
-            return Err(Error::new("a mesh was placed after its last use"));
-        };
-        match &placement.choice {
-            Choice::One(id) => mesh.materials = FaceMaterials::Uniform(*id),
-            Choice::ByFile(ids) => rename_materials(&mut mesh, ids),
-        }
-        let placed = place(mesh, from, origin, &placement.transform, placement.normals);
-        let placed = placed.map_err(|e| plans.get(i).map_or(e.clone(), |plan| plan.field.locate(e)))?;
-        meshes.push(Arc::new(placed));
-    }
-    Ok(meshes)
 }
 
 /// What `--view`, `--sky` and the like add to a plan.

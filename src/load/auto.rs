@@ -8,6 +8,8 @@ use crate::shape::Mesh;
 
 /// The size of a bare mesh's picture.
 pub const SIZE: [u32; 2] = [1024, 768];
+/// Pictures a second of a series.
+pub const FPS: f64 = 24.0;
 /// Vertical field of view in degrees.
 pub const FOV: f64 = 35.0;
 /// The share of the picture that stays free at each border.

@@ -3,7 +3,7 @@
 use super::auto::{self, Bearings, View};
 use crate::camera::{Aperture, CameraSpec, Projection, Window};
 use crate::math::DVec3;
-use crate::shape::Mesh;
+use crate::shape::{Mesh, Motion};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -24,6 +24,12 @@ pub(crate) struct CameraPlan {
     pub aperture: Aperture,
     /// `None`: the distance to the point in the middle.
     pub focus_distance: Option<f64>,
+    /// When the shutter opens and closes, in seconds.
+    pub shutter: [f64; 2],
+    /// Moves the whole camera.
+    pub motion: Option<Arc<Motion>>,
+    /// Pictures a second.
+    pub fps: f64,
 }
 
 impl Default for CameraPlan {
@@ -36,6 +42,9 @@ impl Default for CameraPlan {
             lens: Lens::Usual,
             aperture: Aperture::default(),
             focus_distance: None,
+            shutter: [0.0; 2],
+            motion: None,
+            fps: auto::FPS,
         }
     }
 }
@@ -107,6 +116,9 @@ impl CameraPlan {
             window: window.unwrap_or(CameraSpec::height_window(1.0, size)),
             aperture: self.aperture,
             focus_distance: 1.0,
+            shutter: self.shutter,
+            motion: self.motion.clone(),
+            fps: self.fps,
         };
         match (self.position, self.look_at) {
             (Some(position), Some(look_at)) => (spec.position, spec.look_at) = (position, look_at),

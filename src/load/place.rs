@@ -4,7 +4,7 @@
 use crate::error::{Error, Result};
 use crate::math::{Aabb, DMat4, DVec3};
 use crate::shape::{FaceMaterials, Mesh};
-use glam::DMat3;
+use glam::{DAffine3, DMat3};
 use rayon::prelude::*;
 
 /// Which shading normals a mesh gets.
@@ -40,7 +40,27 @@ impl Transform {
         (sound && relative > 1e-30).then(|| Transform { matrix, normal: inverse.transpose() })
     }
 
-    fn is_identity(&self) -> bool {
+    /// The transform as instances have it.
+    pub fn affine(&self) -> DAffine3 {
+        DAffine3::from_mat4(self.matrix)
+    }
+
+    /// This one, then `outer`; `None` where the two together leave the range of numbers.
+    pub fn then(&self, outer: &Transform) -> Option<Transform> {
+        if self.is_identity() { Some(*outer) } else { Transform::new(outer.matrix * self.matrix) }
+    }
+
+    /// As [`Extent::add`] and others want it.
+    pub fn of_affine(affine: &DAffine3) -> Option<Transform> {
+        Transform::new(DMat4::from(*affine))
+    }
+
+    /// The matrix's numbers, to tell transforms apart.
+    pub fn bits(&self) -> [u64; 16] {
+        self.matrix.to_cols_array().map(f64::to_bits)
+    }
+
+    pub fn is_identity(&self) -> bool {
         self.matrix == DMat4::IDENTITY
     }
 

@@ -9,11 +9,12 @@ pub use settings::{BuildQuality, Compact, IntegratorKind, LightSampling, Quantit
 
 pub use crate::sampler::SamplerKind;
 
+use crate::accel::Geometry;
 use crate::bsdf::Material;
 use crate::camera::CameraSpec;
 use crate::light::Light;
 use crate::math::{Aabb, DVec3};
-use crate::shape::Mesh;
+use crate::shape::{Instance, Instances, Mesh};
 use std::sync::Arc;
 
 /// Everything that is looked at. Mesh coordinates, lights and the built camera live in scene coordinates:
@@ -22,8 +23,10 @@ use std::sync::Arc;
 pub struct Scene {
     /// File coordinates of the scene's origin.
     pub origin: DVec3,
-    /// The meshes, transformed into scene coordinates.
+    /// The meshes at rest, transformed into scene coordinates.
     pub meshes: Vec<Arc<Mesh>>,
+    /// Meshes that stand in several places or move.
+    pub instances: Instances,
     /// The materials that faces name.
     pub materials: Vec<Material>,
     /// Lights that are no geometry; positions in scene coordinates.
@@ -33,18 +36,49 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Triangles of all meshes.
+    /// What rays meet while the camera's shutter is open.
+    pub fn geometry(&self) -> Geometry<'_> {
+        Geometry { meshes: &self.meshes, instances: &self.instances, shutter: self.camera.shutter }
+    }
+
+    /// Triangles in memory: a mesh with many instances counts once.
     pub fn triangles(&self) -> u64 {
-        self.meshes.iter().map(|m| m.indices.len() as u64).sum()
+        self.all_meshes().map(|m| m.indices.len() as u64).sum()
     }
 
-    /// Vertices of all meshes.
+    /// Triangles that are seen: those of a mesh as often as it has instances.
+    pub fn placed_triangles(&self) -> u64 {
+        let at_rest: u64 = self.meshes.iter().map(|m| m.indices.len() as u64).sum();
+        let of =
+            |place: &Instance| self.instances.meshes.get(place.mesh as usize).map_or(0, |m| m.indices.len());
+        at_rest + self.instances.places.iter().map(|place| of(place) as u64).sum::<u64>()
+    }
+
+    /// Vertices in memory.
     pub fn vertices(&self) -> u64 {
-        self.meshes.iter().map(|m| m.positions.len() as u64).sum()
+        self.all_meshes().map(|m| m.positions.len() as u64).sum()
     }
 
-    /// The smallest box around all meshes, in scene coordinates.
+    /// The meshes at rest, and those that have instances.
+    pub fn all_meshes(&self) -> impl Iterator<Item = &Arc<Mesh>> {
+        self.meshes.iter().chain(&self.instances.meshes)
+    }
+
+    /// True when something moves while the shutter is open, so that a picture depends on the samples' times.
+    pub fn moves(&self) -> bool {
+        let shutter = self.camera.shutter;
+        let camera = self.camera.motion.as_ref().is_some_and(|motion| !motion.rests(shutter));
+        camera || self.instances.places.iter().any(|place| !place.rests(shutter))
+    }
+
+    /// The smallest box around everything while the shutter is open, in scene coordinates.
     pub fn bounds(&self) -> Aabb {
-        self.meshes.iter().fold(Aabb::EMPTY, |b, m| b.union(m.bounds()))
+        let at_rest = self.meshes.iter().fold(Aabb::EMPTY, |b, m| b.union(m.bounds()));
+        let boxes: Vec<Aabb> = self.instances.meshes.iter().map(|mesh| mesh.bounds()).collect();
+        self.instances.places.iter().fold(at_rest, |sum, place| {
+            let Some(mesh) = boxes.get(place.mesh as usize) else { return sum };
+            let swept = place.bounds(mesh, self.camera.shutter);
+            sum.union(Aabb { min: swept.min.as_vec3(), max: swept.max.as_vec3() })
+        })
     }
 }

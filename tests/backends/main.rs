@@ -38,6 +38,7 @@ mod agreement;
 mod contract;
 mod degenerate;
 mod edge_on;
+mod instances;
 mod leaks;
 mod meshes;
 mod random_bits;

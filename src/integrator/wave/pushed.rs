@@ -15,6 +15,8 @@ pub struct Slot {
     pub pixel: u32,
     /// Its weight by the pixel rule.
     pub weight: f32,
+    /// When it is taken: 0 as the shutter opens, before 1 when it closes.
+    pub time: f32,
     /// What has come along its paths so far; in f64, since thousands of branches may add up.
     pub radiance: DVec3,
 }

@@ -1,14 +1,17 @@
 //! `[camera]`: what the file says; what it leaves open is found when the meshes are known.
 
 use super::reader::{COORDINATE, Field, LENGTH, Section};
+use super::transform::{TIME, motion};
 use crate::camera::{Aperture, Camera, CameraSpec, Projection, Window};
 use crate::error::{Error, Result, unknown_word_advice};
+use crate::load::auto;
 use crate::load::framing::{CameraPlan, Lens};
 use crate::math::DVec3;
+use crate::shape::Motion;
+use std::sync::Arc;
 
 /// Reads the section.
 pub(super) fn read(mut camera: Section<'_>) -> Result<CameraPlan> {
-    camera.not_yet(&["shutter"])?;
     let projection = camera.read("type", |f| f.word(&[], projection))?;
     let projection = projection.unwrap_or(Projection::Perspective);
     let position = camera.get("position");
@@ -22,6 +25,9 @@ pub(super) fn read(mut camera: Section<'_>) -> Result<CameraPlan> {
         lens: lens(&mut camera, projection)?,
         aperture: aperture(&mut camera)?,
         focus_distance: camera.read("focus_distance", |f| f.number(LENGTH))?,
+        shutter: camera.read("shutter", shutter)?.unwrap_or_default(),
+        motion: camera.read("motion", rigid_motion)?,
+        fps: camera.read("fps", |f| f.number(1e-6..=1e9))?.unwrap_or(auto::FPS),
     };
     camera.finish()?;
     if let (None, Some(look_at)) = (&position, &look_at) {
@@ -36,6 +42,28 @@ pub(super) fn read(mut camera: Section<'_>) -> Result<CameraPlan> {
         check_view(&plan, position, look_at, up.as_ref())?;
     }
     Ok(plan)
+}
+
+/// When the shutter opens and closes.
+fn shutter(field: Field<'_>) -> Result<[f64; 2]> {
+    let [open, close] = field.numbers(TIME)?;
+    if open > close {
+        return Err(field
+            .error(format!("{} closes before it opens", field.name()))
+            .advise("shutter = [open, close], in seconds"));
+    }
+    Ok([open, close])
+}
+
+/// A camera turns and goes, and keeps its size.
+fn rigid_motion(field: Field<'_>) -> Result<Arc<Motion>> {
+    let motion = motion(field.clone())?;
+    if !motion.is_rigid() {
+        return Err(field
+            .error(format!("{} must keep the camera's size", field.name()))
+            .advise("use rotate and translate only"));
+    }
+    Ok(motion)
 }
 
 fn projection(word: &str) -> Result<Projection> {
@@ -129,6 +157,9 @@ fn check_view(
         window: CameraSpec::fov_window(40.0, [1, 1]),
         aperture: Aperture::default(),
         focus_distance: 1.0,
+        shutter: [0.0; 2],
+        motion: None,
+        fps: auto::FPS,
     };
     match Camera::new(&spec, DVec3::ZERO) {
         Ok(_) => Ok(()),

@@ -1,44 +1,174 @@
-//! `[[mesh]]`: files, where they stand, and what they are made of.
+//! `[[mesh]]` and `[[groups.NAME]]`: files, where they stand, and what they are made of.
 
-use super::reader::{COORDINATE, Field, Section};
+use super::reader::{Field, Section};
+use super::transform::{motion, transform, transform_in};
 use crate::error::{Error, Result, unknown_word_advice};
 use crate::load::place::{NormalsMode, Transform};
-use crate::math::{DMat4, DVec3};
+use crate::shape::{Motion, Stage};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-/// A mesh as the scene file names it.
+/// More meshes in their places than this are taken for a mistake.
+const MOST_PLACES: usize = 10_000_000;
+
+/// A mesh in one of its places, as the scene file says it.
 #[derive(Clone)]
 pub(crate) struct MeshPlan<'t> {
     /// The file, relative to the scene file's folder resolved.
     pub file: PathBuf,
     /// The value that names the file, for errors.
     pub field: Field<'t>,
-    /// From the file's coordinates to the scene file's.
+    /// From the file's coordinates to the scene file's, or to where its motion begins.
     pub transform: Transform,
+    /// What moves it afterwards; empty where nothing does.
+    pub course: Vec<Stage>,
     /// The material's name, instead of the file's own materials.
     pub material: Option<Field<'t>>,
     /// Which shading normals.
     pub normals: NormalsMode,
+    /// Whether its triangles are kept once for all its places; `None`: where that saves much.
+    pub instance: Option<bool>,
+}
+
+impl MeshPlan<'_> {
+    /// Moved further, by what stands in `field`.
+    fn then(&mut self, outer: &Transform, field: &Field<'_>) -> Result<()> {
+        if !self.course.is_empty() {
+            self.course.push(Stage::Fixed(outer.affine()));
+            return Ok(());
+        }
+        self.transform = self.transform.then(outer).ok_or_else(|| {
+            field
+                .error(format!(
+                    "{} leaves the range of numbers together with the other transforms",
+                    field.name()
+                ))
+                .advise("use smaller numbers")
+        })?;
+        Ok(())
+    }
+
+    /// Moved by time.
+    fn then_moving(&mut self, motion: &Option<Arc<Motion>>) {
+        self.course.extend(motion.iter().cloned().map(Stage::Moving));
+    }
+}
+
+/// Groups of meshes by their names.
+pub(super) type Groups<'t> = BTreeMap<&'t str, Vec<MeshPlan<'t>>>;
+
+/// Reads `[[groups.NAME]]`: lists of meshes that stand together.
+pub(super) fn read_groups<'t>(field: &Field<'t>, folder: &Path) -> Result<Groups<'t>> {
+    let none = Groups::new();
+    let group = |(name, field): (&'t str, Field<'t>)| {
+        let items = field.list("a list of tables, [[groups.NAME]]")?;
+        let mut meshes = Vec::new();
+        for item in items {
+            let mut table = item.section()?;
+            if let Some(inner) = table.get("group") {
+                return Err(inner
+                    .error(format!("{}: groups do not stand in groups", inner.name()))
+                    .advise("name the files here"));
+            }
+            read(table, &item, folder, &none, &mut meshes)?;
+        }
+        Ok((name, meshes))
+    };
+    field.section()?.all().into_iter().map(group).collect()
 }
 
 /// Reads every mesh; relative paths are relative to `folder`.
-pub(super) fn read_all<'t>(field: &Field<'t>, folder: &Path) -> Result<Vec<MeshPlan<'t>>> {
-    let items = field.list("a list of tables, [[mesh]]")?;
-    items.into_iter().map(|item| read(item.section()?, &item, folder)).collect()
+pub(super) fn read_all<'t>(
+    field: &Field<'t>,
+    folder: &Path,
+    groups: &Groups<'t>,
+) -> Result<Vec<MeshPlan<'t>>> {
+    let mut meshes = Vec::new();
+    for item in field.list("a list of tables, [[mesh]]")? {
+        read(item.section()?, &item, folder, groups, &mut meshes)?;
+    }
+    Ok(meshes)
 }
 
-fn read<'t>(mut mesh: Section<'t>, field: &Field<'t>, folder: &Path) -> Result<MeshPlan<'t>> {
-    mesh.not_yet(&["motion"])?;
+/// Adds the mesh or group of one table in all its places.
+fn read<'t>(
+    mut mesh: Section<'t>,
+    field: &Field<'t>,
+    folder: &Path,
+    groups: &Groups<'t>,
+    into: &mut Vec<MeshPlan<'t>>,
+) -> Result<()> {
+    let group = mesh.get("group");
+    let mut plans = match &group {
+        Some(group) => members(group, groups)?,
+        None => vec![of_file(&mut mesh, field, folder)?],
+    };
+    let material = text(&mut mesh, "material")?;
+    let transform = mesh.get("transform").map(|f| Ok((transform(f.clone())?, f))).transpose()?;
+    let motion = mesh.read("motion", motion)?;
+    let instance = mesh.read("instance", |f| f.bool())?;
+    let places = mesh.get("instances");
+    mesh.finish()?;
+    for plan in &mut plans {
+        if let Some((transform, field)) = &transform {
+            plan.then(transform, field)?;
+        }
+        plan.then_moving(&motion);
+        plan.instance = instance.or(plan.instance);
+        plan.material = material.clone().or(plan.material.take());
+    }
+    match places {
+        None => into.append(&mut plans),
+        Some(places) => place(&plans, &places, into)?,
+    }
+    if into.len() > MOST_PLACES {
+        return Err(field.error(format!("more than {MOST_PLACES} meshes in their places")));
+    }
+    Ok(())
+}
+
+/// Adds `plans` once for every place of the list.
+fn place<'t>(plans: &[MeshPlan<'t>], places: &Field<'t>, into: &mut Vec<MeshPlan<'t>>) -> Result<()> {
+    let items = places.list("a list of places, [{ translate = [1, 0, 0] }, …]")?;
+    if items.is_empty() {
+        return Err(places.error(format!("{} is empty, so the mesh would be nowhere", places.name())));
+    }
+    for item in items {
+        let mut table = item.section()?;
+        let transform = transform_in(&mut table, &item)?;
+        let material = text(&mut table, "material")?;
+        table.finish()?;
+        for plan in plans {
+            let mut plan = plan.clone();
+            plan.then(&transform, &item)?;
+            plan.material = material.clone().or(plan.material);
+            into.push(plan);
+        }
+    }
+    Ok(())
+}
+
+/// The meshes of the group that `name` names.
+fn members<'t>(name: &Field<'t>, groups: &Groups<'t>) -> Result<Vec<MeshPlan<'t>>> {
+    let word = name.text()?;
+    groups.get(word).cloned().ok_or_else(|| {
+        let known: Vec<&str> = groups.keys().copied().collect();
+        let advice = match known.as_slice() {
+            [] => format!("add [[groups.{word}]] with its meshes"),
+            known => unknown_word_advice(word, known),
+        };
+        name.error(format!("unknown group \"{word}\"")).advise(advice)
+    })
+}
+
+/// The file of a table with its normals; the rest is read by [`read`].
+fn of_file<'t>(mesh: &mut Section<'t>, field: &Field<'t>, folder: &Path) -> Result<MeshPlan<'t>> {
     let file = mesh.get("file").ok_or_else(|| {
         let error = mesh.missing(field, "file");
         if error.advice.is_some() { error } else { error.advise("e.g. file = \"bunny.obj\"") }
     })?;
     check_name(&file)?;
-    let material = mesh.get("material");
-    if let Some(material) = &material {
-        material.text()?;
-    }
-    let transform = mesh.read("transform", transform)?;
     let normals = mesh.read("normals", normals_word)?;
     let crease = mesh.get("crease");
     let normals = match (normals.unwrap_or(NormalsMode::File), crease) {
@@ -50,14 +180,24 @@ fn read<'t>(mut mesh: Section<'t>, field: &Field<'t>, folder: &Path) -> Result<M
         }
         (normals, None) => normals,
     };
-    mesh.finish()?;
     Ok(MeshPlan {
         file: folder.join(file.text()?),
         field: file,
-        transform: transform.unwrap_or(Transform::IDENTITY),
-        material,
+        transform: Transform::IDENTITY,
+        course: Vec::new(),
+        material: None,
         normals,
+        instance: None,
     })
+}
+
+/// A key whose value is text.
+fn text<'t>(table: &mut Section<'t>, key: &'static str) -> Result<Option<Field<'t>>> {
+    let field = table.get(key);
+    if let Some(field) = &field {
+        field.text()?;
+    }
+    Ok(field)
 }
 
 /// Refuses what cannot be a mesh by its name, as the command line does.
@@ -86,88 +226,4 @@ fn normals_word(field: Field<'_>) -> Result<NormalsMode> {
         _ => Err(Error::new(format!("unknown normals \"{word}\""))
             .advise(unknown_word_advice(word, &["file", "flat", "smooth"]))),
     })
-}
-
-/// Scale, then rotate, then translate; or a matrix of 16 numbers, row by row.
-fn transform(field: Field<'_>) -> Result<Transform> {
-    let mut table = field.section()?;
-    let matrix = table.read("matrix", matrix)?;
-    let scale = table.read("scale", scale)?;
-    let rotate = table.read("rotate", rotation)?;
-    let translate = table.read("translate", |f| f.point())?;
-    table.finish()?;
-    if matrix.is_some() && (scale.is_some() || rotate.is_some() || translate.is_some()) {
-        return Err(field
-            .error(format!("{}.matrix stands alone", field.name()))
-            .advise("leave out the other keys"));
-    }
-    let steps = DMat4::from_translation(translate.unwrap_or(DVec3::ZERO))
-        * rotate.unwrap_or(DMat4::IDENTITY)
-        * DMat4::from_scale(scale.unwrap_or(DVec3::ONE));
-    Transform::new(matrix.unwrap_or(steps)).ok_or_else(|| {
-        field
-            .error(format!("{} flattens the mesh or leaves the range of numbers", field.name()))
-            .advise("a transform must be invertible")
-    })
-}
-
-fn scale(field: Field<'_>) -> Result<DVec3> {
-    let scale = match field.list("") {
-        Ok(_) => DVec3::from_array(field.numbers(COORDINATE)?),
-        Err(_) => DVec3::splat(field.number(COORDINATE)?),
-    };
-    if scale.cmpeq(DVec3::ZERO).any() {
-        return Err(field.error(format!("{} must not be 0", field.name())));
-    }
-    Ok(scale)
-}
-
-fn rotation(field: Field<'_>) -> Result<DMat4> {
-    let mut table = field.section().map_err(|e| e.advise("e.g. { axis = [0, 1, 0], angle = 30 }"))?;
-    let axis = table.get("axis").ok_or_else(|| table.missing(&field, "axis"))?;
-    let direction = axis.point()?.try_normalize();
-    let direction = direction.ok_or_else(|| axis.error(format!("{} has no direction", axis.name())))?;
-    let angle =
-        table.read("angle", |f| f.number(-1e6..=1e6))?.ok_or_else(|| table.missing(&field, "angle"))?;
-    table.finish()?;
-    Ok(rotation_matrix(direction, angle))
-}
-
-/// Rodrigues' formula. Multiples of 90° are exact, and libm's functions are the same on every machine.
-fn rotation_matrix(axis: DVec3, degrees: f64) -> DMat4 {
-    let turn = degrees.rem_euclid(360.0);
-    let (sin, cos) = match turn {
-        0.0 => (0.0, 1.0),
-        90.0 => (1.0, 0.0),
-        180.0 => (0.0, -1.0),
-        270.0 => (-1.0, 0.0),
-        _ => (libm::sin(turn.to_radians()), libm::cos(turn.to_radians())),
-    };
-    let column = |v: DVec3| (v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))).extend(0.0);
-    DMat4::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z), DVec3::ZERO.extend(1.0))
-}
-
-fn matrix(field: Field<'_>) -> Result<DMat4> {
-    let rows: [f64; 16] = field.numbers(COORDINATE)?;
-    let matrix = DMat4::from_cols_array(&rows).transpose();
-    if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
-        return Err(field
-            .error(format!("{} must end with the row 0, 0, 0, 1", field.name()))
-            .advise("the 16 numbers go row by row, the translation last in each of the first three rows"));
-    }
-    Ok(matrix)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rotations_follow_the_right_hand_and_quarter_turns_are_exact() {
-        let turned = rotation_matrix(DVec3::Y, 90.0).transform_point3(DVec3::Z);
-        assert_eq!(turned, DVec3::X);
-        assert_eq!(rotation_matrix(DVec3::X, -90.0).transform_point3(DVec3::Z), DVec3::Y);
-        let eighth = rotation_matrix(DVec3::Z, 45.0).transform_point3(DVec3::X);
-        assert!((eighth - DVec3::new(0.5f64.sqrt(), 0.5f64.sqrt(), 0.0)).length() < 1e-15);
-    }
 }

@@ -15,6 +15,7 @@ mod render;
 #[cfg(test)]
 mod tests;
 mod texture;
+mod transform;
 mod tree;
 
 pub use overrides::Override;
@@ -104,7 +105,8 @@ pub(crate) fn read<'t>(
             .at(file)
             .advise("leave it out, or choose another camera"));
     }
-    let meshes = top.read("mesh", |f| mesh::read_all(&f, folder))?.unwrap_or_default();
+    let groups = top.read("groups", |f| mesh::read_groups(&f, folder))?.unwrap_or_default();
+    let meshes = top.read("mesh", |f| mesh::read_all(&f, folder, &groups))?.unwrap_or_default();
     let materials = top.read("materials", |f| material::read_all(&f, folder))?.unwrap_or_default();
     let lights = top.read("light", |f| light::read_all(&f, folder))?.unwrap_or_default();
     top.finish()?;

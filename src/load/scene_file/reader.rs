@@ -80,16 +80,6 @@ impl<'t> Section<'t> {
         self.entries.iter().map(|(key, entry)| (key.as_str(), self.field(key, entry))).collect()
     }
 
-    /// Keys that the format has and this version has not.
-    pub fn not_yet(&mut self, keys: &[&'static str]) -> Result<()> {
-        for key in keys {
-            if let Some(field) = self.get(key) {
-                return Err(field.error(format!("{} is not supported by this version", field.name)));
-            }
-        }
-        Ok(())
-    }
-
     /// The error for a table, `field`, without the `key` that it needs; a key much like it is named.
     pub fn missing(&self, field: &Field<'_>, key: &str) -> Error {
         let error = field.error(format!("{} has no {key}", field.name));

@@ -212,7 +212,43 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         ("[camera]\nfov = 0", 2, 7, &["from 0.001 to 179.9"]),
         ("[camera]\nfov = nan", 2, 7, &["not NaN"]),
         ("[camera]\nheight = 1", 2, 10, &["orthographic"]),
-        ("[camera]\nshutter = [0, 1]", 2, 11, &["not supported by this version"]),
+        ("[camera]\nshutter = [1, 0]", 2, 11, &["closes before it opens"]),
+        ("[camera]\nmotion = []", 2, 10, &["a list of poses by time"]),
+        ("[camera]\nmotion = [{ time = 0 }, { time = 1, scale = 2 }]", 2, 10, &["keep the camera's size"]),
+        ("[[mesh]]\nfile = \"a.obj\"\nmotion = [{ translate = [1, 0, 0] }]", 3, 11, &["has no time"]),
+        (
+            "[[mesh]]\nfile = \"a.obj\"\nmotion = [{ time = 1 }, { time = 1 }]",
+            3,
+            24,
+            &["does not come after 1"],
+        ),
+        (
+            "[[mesh]]\nfile = \"a.obj\"\nmotion = [{ time = 0 }, { time = 1, scale = [1, -1, 1] }]",
+            3,
+            24,
+            &["passes 0 between"],
+        ),
+        ("[[mesh]]\nfile = \"a.obj\"\ninstances = []", 3, 13, &["would be nowhere"]),
+        (
+            "[[mesh]]\nfile = \"a.obj\"\ninstances = [{ trnslate = [1, 0, 0] }]",
+            3,
+            16,
+            &["did you mean \"translate\""],
+        ),
+        (
+            "[[groups.tree]]\nfile = \"a.obj\"\n[[mesh]]\ngroup = \"tre\"",
+            4,
+            9,
+            &["unknown group", "\"tree\""],
+        ),
+        ("[[mesh]]\ngroup = \"tree\"", 2, 9, &["add [[groups.tree]]"]),
+        ("[[groups.a]]\ngroup = \"a\"", 2, 9, &["groups do not stand in groups"]),
+        (
+            "[[groups.a]]\nfile = \"a.obj\"\n[[mesh]]\ngroup = \"a\"\nfile = \"b.obj\"",
+            5,
+            1,
+            &["unknown key \"file\""],
+        ),
         ("[camera]\ntype = \"panorama\"\nfov = 40", 3, 7, &["not for the panorama"]),
         ("[camera]\nblades = 2", 2, 10, &["3 to 64 blades"]),
         ("[camera]\nposition = [1, 1, 1]\nlook_at = [1, 1, 1]", 2, 12, &["same point"]),
@@ -388,4 +424,39 @@ fn without_a_type_only_the_keys_given_change() {
     assert_eq!(patched("[materials.m]\ntype = \"mirror\"").unwrap().model.name(), "mirror");
     let wrong = patched("[materials.m]\ncompensate = false\nexponent = 3").unwrap_err();
     assert_eq!((wrong.line, wrong.column), (Some(3), Some(12)));
+}
+
+/// Places multiply: a group of two in three places are six, each moved by its own transform, then by what is around it.
+#[test]
+fn groups_and_instances_become_meshes_in_their_places() {
+    let text = r#"
+[[groups.pair]]
+file = "a.obj"
+material = "own"
+transform = { translate = [1, 0, 0] }
+[[groups.pair]]
+file = "b.obj"
+motion = [{ time = 0 }, { time = 1, translate = [0, 1, 0] }]
+[[mesh]]
+group = "pair"
+transform = { scale = 2 }
+instance = true
+instances = [{}, { translate = [0, 0, 5] }, { material = "other" }]
+"#;
+    with(text, &[], |plan| {
+        let names: Vec<_> = plan.meshes.iter().map(|m| m.file.to_string_lossy().into_owned()).collect();
+        assert_eq!(names, ["dir/a.obj", "dir/b.obj", "dir/a.obj", "dir/b.obj", "dir/a.obj", "dir/b.obj"]);
+        let material = |i: usize| plan.meshes[i].material.as_ref().map(|m| m.text().unwrap());
+        assert_eq!([0, 1, 4, 5].map(material), [Some("own"), None, Some("other"), Some("other")]);
+        let at = |i: usize, time: f64| {
+            let mesh = &plan.meshes[i];
+            let stages = [crate::shape::Stage::Fixed(mesh.transform.affine())];
+            let stages = stages.into_iter().chain(mesh.course.iter().cloned()).collect();
+            crate::shape::Instance::new(0, None, stages).transform(time).translation
+        };
+        assert_eq!((at(0, 0.0), at(2, 0.0)), (DVec3::new(2.0, 0.0, 0.0), DVec3::new(2.0, 0.0, 5.0)));
+        assert_eq!((at(3, 0.0), at(3, 0.5)), (DVec3::new(0.0, 0.0, 5.0), DVec3::new(0.0, 1.0, 5.0)));
+        assert!(plan.meshes[0].course.is_empty() && plan.meshes.iter().all(|m| m.instance == Some(true)));
+    })
+    .unwrap();
 }
