@@ -164,6 +164,9 @@ pub struct RenderArgs {
     #[arg(long, value_name = "X,Y", help_heading = "View of a mesh", allow_hyphen_values = true)]
     pub focus: Option<String>,
 
+    #[command(flatten)]
+    pub series: super::render::SeriesArgs,
+
     /// Threads, 1 to 1024 (all by default); the picture does not depend on it
     #[arg(long, value_name = "N", help_heading = "Machine", allow_negative_numbers = true)]
     pub threads: Option<String>,

@@ -36,6 +36,8 @@ EXAMPLES
       a lens, focused on what that pixel sees
   drt kitchen.toml --crop 600,200,128,128 --spp 4096
       a part of the picture at full quality, with the pixels of the whole
+  drt bunny.obj --turntable 36 -o turn-##.png
+      36 pictures from all around; --frames 0..47 for a scene that moves
   drt check scan.obj
       what is in the file and what is wrong with it; --json for programs, --strict to fail on warnings
   drt converge scenes/cornell-box.toml -o cornell.svg
@@ -59,6 +61,8 @@ A SCENE FILE
   file = \"bunny.obj\"            # relative to this file
   material = \"gold\"             # without it the MTL decides
   transform = { scale = 2, rotate = { axis = [0, 1, 0], angle = 30 }, translate = [0, 1, 0] }
+  # instances = [ {}, { translate = [3, 0, 0], material = \"clay\" } ]    # the same mesh in several places
+  # motion = [ { time = 0 }, { time = 1, translate = [1, 0, 0] } ]      # with shutter = [0, 1] in [camera]
 
   [materials.gold]
   type = \"conductor\"

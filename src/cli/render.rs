@@ -1,5 +1,9 @@
 //! `drt render`: check, load, build, render, write; what can be refused is refused before the first ray.
 
+mod series;
+
+pub use series::SeriesArgs;
+
 use super::Failure;
 use super::args::RenderArgs;
 use super::console::{Console, Verbosity, summary};
@@ -8,14 +12,16 @@ use super::paths;
 use super::progress::{Phase, Style, duration};
 use super::signals::Signals;
 use super::stats::{Clock, Report};
+use drt::accel::Intersector;
 use drt::error::{Error, Findings, Result, Severity, show_path, unknown_word_advice};
 use drt::load::auto::{Up, View};
 use drt::load::sky::SkySource;
 use drt::load::{self, Loaded};
 use drt::math::isa::Isa;
 use drt::output::{self, ToneMap};
-use drt::render::{self, Hooks, Progress, Rendering};
+use drt::render::{self, Hooks, Progress, RenderStats, Rendering};
 use drt::scene::Settings;
+use series::Series;
 use std::path::PathBuf;
 
 /// Everything that the words say, checked.
@@ -27,6 +33,7 @@ struct Job {
     isa: Option<Isa>,
     threads: usize,
     focus: Option<[u32; 2]>,
+    series: Option<Series>,
     style: Style,
     console: Console,
 }
@@ -56,8 +63,11 @@ impl Job {
         let style = args.progress.as_deref().map_or(Ok(Style::Auto), Style::from_name)?;
         let exposure = args.exposure.as_deref().map_or(Ok(0.0), exposure)?;
         let tone_map = args.tone_map.as_deref().map_or(Ok(ToneMap::default()), tone_map)?;
+        let series = Series::new(&args.series, &args.output, &input)?;
+        let one = || paths::outputs(&args.output, &input);
         Ok(Job {
-            outputs: paths::outputs(&args.output, &input),
+            outputs: series.as_ref().map_or_else(one, Series::first_outputs),
+            series,
             display: output::Options { exposure, tone_map },
             isa: args.isa.as_deref().map(|word| at_flag("--isa", Isa::from_name(word))).transpose()?,
             threads: args.threads.as_deref().map_or_else(|| Ok(machine::threads()), threads)?,
@@ -100,7 +110,7 @@ impl Job {
             }
         };
         let hooks = Hooks { progress: &progress, stop: &|| signals.stop() };
-        let accel =
+        let mut accel =
             render::build(scene, settings, self.isa, &hooks).map_err(|e| ended_early("building", e))?;
         drop(phase);
         let seconds = clock.end("build");
@@ -116,6 +126,9 @@ impl Job {
             let distance = render::focus(scene, settings, &*accel, pixel)?;
             console.detail(&format!("focused at {distance} m"));
             loaded.scene.camera.focus_distance = distance;
+        }
+        if let Some(series) = &self.series {
+            return self.render_series(series, &mut loaded, &mut *accel, signals, clock);
         }
         let (scene, settings) = (&loaded.scene, &loaded.settings);
         let phase = Phase::begin(self.style, "render");
@@ -144,23 +157,34 @@ impl Job {
             output::write(path, &rendering.image, &self.display)?;
         }
         clock.end("write");
-        if let Some(path) = &self.args.stats {
-            let report = Report {
-                scene,
-                settings,
-                findings: &loaded.findings,
-                skipped_faces: loaded.skipped_faces,
-                triangles: loaded.triangles,
-                threads: self.threads,
-                isa: accel.isa(),
-                bvh_bytes: accel.bytes(),
-                stats: &rendering.stats,
-                complete: rendering.complete,
-                clock: &clock,
-            };
-            report.write(path)?;
-        }
+        self.report(&loaded, &*accel, &rendering.stats, rendering.complete, &clock)?;
         self.conclude(&rendering, settings.spp, signals, &clock)
+    }
+
+    /// Writes what was counted, if that is asked for.
+    fn report(
+        &self,
+        loaded: &Loaded,
+        accel: &dyn Intersector,
+        stats: &RenderStats,
+        complete: bool,
+        clock: &Clock,
+    ) -> Result<()> {
+        let Some(path) = &self.args.stats else { return Ok(()) };
+        let report = Report {
+            scene: &loaded.scene,
+            settings: &loaded.settings,
+            findings: &loaded.findings,
+            skipped_faces: loaded.skipped_faces,
+            triangles: loaded.triangles,
+            threads: self.threads,
+            isa: accel.isa(),
+            bvh_bytes: accel.bytes(),
+            stats,
+            complete,
+            clock,
+        };
+        report.write(path)
     }
 
     fn load(&self, signals: &Signals) -> Result<Loaded> {
@@ -201,7 +225,8 @@ impl Job {
     fn judge(&self, loaded: &Loaded) -> Result<()> {
         let findings = &loaded.findings;
         let inputs = loaded.files.iter().map(PathBuf::as_path);
-        paths::check_inputs(&self.outputs, self.args.stats.as_deref(), inputs)?;
+        let outputs = self.series.as_ref().map_or_else(|| self.outputs.clone(), Series::all_outputs);
+        paths::check_inputs(&outputs, self.args.stats.as_deref(), inputs)?;
         if self.args.strict && findings.at_least(Severity::Warning) > 0 {
             return Err(strict_error(findings));
         }

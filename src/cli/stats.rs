@@ -27,7 +27,12 @@ impl Clock {
     pub fn end(&mut self, phase: &'static str) -> f64 {
         let now = (Instant::now(), machine::cpu_seconds());
         let seconds = (now.0 - self.last.0).as_secs_f64();
-        self.phases.push((phase, seconds, now.1 - self.last.1));
+        let cpu = now.1 - self.last.1;
+        match self.phases.iter_mut().find(|known| known.0 == phase) {
+            // Of a series, the sum.
+            Some(known) => (known.1, known.2) = (known.1 + seconds, known.2 + cpu),
+            None => self.phases.push((phase, seconds, cpu)),
+        }
         self.last = now;
         seconds
     }
@@ -86,7 +91,8 @@ impl Report<'_> {
             "integrator": s.integrator.name(),
             "sampler": s.sampler.name(),
             "complete": self.complete,
-            "meshes": self.scene.meshes.len(),
+            "meshes": self.scene.all_meshes().count(),
+            "instances": self.scene.instances.places.len(),
             "materials": self.scene.materials.len(),
             "triangles": self.triangles,
             "vertices": self.scene.vertices(),

@@ -13,6 +13,7 @@ mod rows_files;
 mod rows_numbers;
 mod rows_output;
 mod rows_textures;
+mod series;
 mod universal;
 mod usage;
 

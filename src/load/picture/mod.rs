@@ -132,5 +132,13 @@ fn coded(bytes: &[u8], format: ImageFormat) -> Result<Picture> {
     let [width, height] = texels.size();
     let pixels: Vec<[f32; 3]> = texels.pixels(transfer).map(|[r, g, b, _]| [r, g, b]).collect();
     let encoding = if transfer == Transfer::Srgb { Encoding::Display } else { Encoding::Linear };
-    Ok(Picture { image: Image::from_rgb(width, height, &pixels, String::new()), encoding })
+    let settings = if format == ImageFormat::Png { png_settings(bytes) } else { String::new() };
+    Ok(Picture { image: Image::from_rgb(width, height, &pixels, settings), encoding })
+}
+
+/// What drt wrote into a PNG beside the picture; empty where it did not.
+fn png_settings(bytes: &[u8]) -> String {
+    let Ok(reader) = png::Decoder::new(std::io::Cursor::new(bytes)).read_info() else { return String::new() };
+    let own = reader.info().utf8_text.iter().find(|text| text.keyword == "drt");
+    own.and_then(|text| text.get_text().ok()).unwrap_or_default()
 }
