@@ -65,7 +65,9 @@ def sphere(path, rows=64, columns=128):
         for c in range(columns):
             a = r * (columns + 1) + c + 1
             b, d, e = a + 1, a + columns + 1, a + columns + 2
-            lines.append(f"f {a}/{a} {b}/{b} {e}/{e} {d}/{d}")
+            # Triangles at the poles, where a side has no length.
+            corners = [a, b, e, d] if 0 < r < rows - 1 else [a, e, d] if r == 0 else [a, b, d]
+            lines.append("f " + " ".join(f"{i}/{i}" for i in corners))
     path.write_text("\n".join(lines) + "\n")
 
 

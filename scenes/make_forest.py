@@ -12,6 +12,7 @@ import os
 import pathlib
 import random
 
+EARTH = 'type = "diffuse"\nreflectance = [0.30, 0.27, 0.20]'
 MATERIALS = {
     "clay": 'type = "diffuse"\nreflectance = [0.62, 0.42, 0.30]',
     "jade": 'type = "plastic"\nreflectance = [0.16, 0.42, 0.20]\nroughness = 0.25',
@@ -49,14 +50,14 @@ def main():
     for i in range(words.count):
         x = (i % side - side / 2 + 0.35 * numbers.uniform(-1, 1)) * step
         z = (-(i // side) + 0.35 * numbers.uniform(-1, 1)) * step
-        hill = 2.2 * math.sin(x / 17) * math.cos(z / 23)
         scale, angle = numbers.uniform(0.75, 1.25), numbers.uniform(0, 360)
         material = numbers.choices(list(MATERIALS), [8, 4, 1, 4])[0]
         places.append(
             f"  {{ scale = {scale:.4f}, rotate = {{ axis = [0, 1, 0], angle = {angle:.2f} }}, "
-            f'translate = [{x:.4f}, {hill:.4f}, {z:.4f}], material = "{material}" }},'
+            f'translate = [{x:.4f}, 0, {z:.4f}], material = "{material}" }},'
         )
-    file = os.path.relpath(words.mesh, words.output.parent or ".")
+    folder = words.output.parent or "."
+    file, floor = (os.path.relpath(f, folder) for f in (words.mesh, pathlib.Path(__file__).parent / "floor.obj"))
     with open(words.output, "w") as out:
         out.write(f"""# {words.count} of {words.mesh.name}: made by scenes/make_forest.py.
 
@@ -80,6 +81,11 @@ turbidity = 3
 scale = 0.02
 
 [[mesh]]
+file = "{floor}"
+material = "earth"
+transform = {{ scale = 100 }}
+
+[[mesh]]
 file = "{file}"
 normals = "smooth"
 instance = {str(not words.copies).lower()}
@@ -89,7 +95,7 @@ instances = [
 """)
         out.write("\n".join(places))
         out.write("\n]\n")
-        for name, keys in MATERIALS.items():
+        for name, keys in [*MATERIALS.items(), ("earth", EARTH)]:
             out.write(f"\n[materials.{name}]\n{keys}\n")
 
 

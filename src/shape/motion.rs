@@ -160,7 +160,7 @@ impl Motion {
 
 impl Leg {
     fn new((begin, a): (f64, Pose), (end, b): (f64, Pose)) -> Result<Leg> {
-        if !(begin < end) {
+        if begin.partial_cmp(&end) != Some(std::cmp::Ordering::Less) {
             return Err(Error::new(format!("time {end} does not come after {begin}"))
                 .advise("list the poses by ascending time"));
         }

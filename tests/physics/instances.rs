@@ -80,6 +80,6 @@ fn pictures_and_holes_go_with_the_instance() {
         let (a, b) = (of(false), of(true));
         let differing = a.iter().zip(&b).filter(|(a, b)| (*a - *b).abs() > 2e-3).count();
         assert!(differing <= 15, "{differing} of 1536 pixels differ");
-        assert!(a.iter().any(|v| *v < 0.3) && a.iter().any(|v| *v > 0.9), "there is something to see");
+        assert!(a.iter().any(|v| *v < 0.8) && a.iter().any(|v| *v > 0.95), "there is something to see");
     });
 }

@@ -98,7 +98,7 @@ impl TwoLevel {
     }
 
     /// The rays `lanes` in the coordinates of the mesh of instance `i`, ending at `far`.
-    fn into_mesh(&self, i: usize, rays: Checked<'_>, lanes: Mask, far: &[f32; LANES]) -> Rays {
+    fn in_mesh(&self, i: usize, rays: Checked<'_>, lanes: Mask, far: &[f32; LANES]) -> Rays {
         let mut own = Rays::default();
         for_lanes(lanes, |lane| {
             let moved;
@@ -177,7 +177,7 @@ impl Kernel for Closest<'_> {
         });
         let mut found = Hits::default();
         two.tree.visit(&mut lanes, rays.active(), |lanes, i, inside| {
-            let own = two.into_mesh(i, rays, inside, &lanes.far);
+            let own = two.in_mesh(i, rays, inside, &lanes.far);
             let checked = own.check(inside);
             let mesh = two.places[i].mesh as usize;
             found.mesh = [MISS; LANES];
@@ -211,7 +211,7 @@ impl Kernel for Occluded<'_> {
         let Occluded { two, rays, mut blocked } = self;
         let mut lanes = Lanes::new(rays);
         two.tree.visit(&mut lanes, rays.active() & !blocked, |lanes, i, inside| {
-            let own = two.into_mesh(i, rays, inside, &lanes.far);
+            let own = two.in_mesh(i, rays, inside, &lanes.far);
             let mesh = two.places[i].mesh as usize;
             let found = two.meshes[mesh].occluded(own.check(inside), Coherence::Incoherent);
             blocked |= found;

@@ -217,18 +217,17 @@ impl<'a> Lanes<'a> {
     fn enter(&self, bounds: &Aabb, active: Mask) -> Entered {
         let (low, high) = (bounds.min.to_array(), bounds.max.to_array());
         let (mut near, mut far) = (*self.near, self.far);
-        for k in 0..3 {
-            for i in 0..LANES {
-                let (o, inverse) = (self.origin[k][i], self.inverse[k][i]);
-                let a = (low[k] - self.slack[i] - o) * inverse;
-                let b = (high[k] + self.slack[i] - o) * inverse;
-                near[i] = near[i].max(a.min(b));
-                far[i] = far[i].min(a.max(b));
+        for (k, (low, high)) in low.into_iter().zip(high).enumerate() {
+            for (i, (near, far)) in near.iter_mut().zip(&mut far).enumerate() {
+                let (o, inverse, slack) = (self.origin[k][i], self.inverse[k][i], self.slack[i]);
+                let (a, b) = ((low - slack - o) * inverse, (high + slack - o) * inverse);
+                *near = near.max(a.min(b));
+                *far = far.min(a.max(b));
             }
         }
         let mut inside = 0;
-        for i in 0..LANES {
-            inside |= Mask::from(near[i] <= far[i]) << i;
+        for (i, (near, far)) in near.iter().zip(&far).enumerate() {
+            inside |= Mask::from(near <= far) << i;
         }
         let lanes = inside & active;
         let mut nearest = f32::INFINITY;
