@@ -78,7 +78,7 @@ type = "sun-sky"
 elevation = 24
 azimuth = 120
 turbidity = 3
-scale = 0.02
+scale = 0.013
 
 [[mesh]]
 file = "{floor}"

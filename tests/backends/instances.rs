@@ -23,7 +23,7 @@ fn scene(places: usize, seed: u64) -> (Vec<Arc<Mesh>>, Instances) {
     let meshes = vec![Arc::new(soup(40, seed)), Arc::new(uv_sphere(6))];
     let place = |i: usize| {
         let mut stages = vec![Stage::Fixed(anywhere(&mut random))];
-        if i % 3 == 0 {
+        if i.is_multiple_of(3) {
             let axis = random.ball().as_dvec3().normalize();
             let shift = random.cube().as_dvec3();
             let poses =
