@@ -219,13 +219,13 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         (
             "[[mesh]]\nfile = \"a.obj\"\nmotion = [{ time = 1 }, { time = 1 }]",
             3,
-            24,
+            25,
             &["does not come after 1"],
         ),
         (
             "[[mesh]]\nfile = \"a.obj\"\nmotion = [{ time = 0 }, { time = 1, scale = [1, -1, 1] }]",
             3,
-            24,
+            25,
             &["passes 0 between"],
         ),
         ("[[mesh]]\nfile = \"a.obj\"\ninstances = []", 3, 13, &["would be nowhere"]),
