@@ -3,9 +3,9 @@
 use super::mesh::short;
 use crate::error::{Error, Finding, Findings, Result, Severity};
 use crate::load::obj::ReadOptions;
-use crate::load::object::{Object, read_with};
+use crate::load::object::Object;
 use crate::load::open::{find, open_regular};
-use crate::load::{cancelled, is_mesh};
+use crate::load::{Opening, Reading, cancelled, is_mesh, read};
 use crate::math::DVec3;
 use std::collections::BTreeSet;
 use std::io::BufReader;
@@ -25,11 +25,12 @@ type Triangle = [DVec3; 3];
 /// # Errors
 /// `input` is no mesh or our reader cannot read it. What tobj cannot read is a finding.
 pub fn compare(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Findings> {
-    if !is_mesh(input)? {
-        return Err(Error::usage("--against: only a mesh can be compared").advise("name an .obj"));
+    let is_obj = input.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+    if !is_mesh(input, &Opening::default())? || !is_obj {
+        return Err(Error::usage("--against: only an OBJ file can be compared").advise("name an .obj"));
     }
     let options = ReadOptions { progress, keep_empty: true, face_lines: true, ..ReadOptions::default() };
-    let object = read_with(input, &options)?;
+    let object = read(input, &Reading { options, ..Reading::new(progress) })?;
     let mut findings = Findings::default();
     let mut note = |kind, severity, line, message| {
         findings.push(Finding { file: input.to_path_buf(), line, kind, message, severity });

@@ -155,8 +155,9 @@ pub(super) fn textures(definitions: &[Option<MtlMaterial>], findings: &mut Findi
                 material: String::from_utf8_lossy(&material.name).into_owned(),
                 line,
                 key: key.to_string(),
-                tiles: source.as_ref().map_or(0, |source| source.paths().count()),
-                path: source.and_then(|source| source.paths().next().cloned()),
+                tiles: source.as_ref().map_or(0, |source| source.places().count()),
+                path: source
+                    .and_then(|source| source.places().next().and_then(|place| place.path().cloned())),
                 size,
             });
         }
@@ -167,7 +168,7 @@ pub(super) fn textures(definitions: &[Option<MtlMaterial>], findings: &mut Findi
 /// The size of the first picture, or what is wrong with one of them.
 fn size_of(source: &Source) -> Result<[u32; 2], String> {
     let sizes: Result<Vec<[u32; 2]>, String> =
-        source.paths().map(|path| probe(path).map(|probe| probe.size).map_err(|e| e.message())).collect();
+        source.places().map(|place| probe(place).map(|probe| probe.size).map_err(|e| e.message())).collect();
     sizes?.first().copied().ok_or_else(|| "was not found".to_string())
 }
 
@@ -178,8 +179,8 @@ pub(super) fn textures_of_scene(stated: &[StatedTexture]) -> Vec<TextureReport> 
         material: stated.material.clone(),
         line: stated.line,
         key: stated.key.to_string(),
-        tiles: stated.source.paths().filter(|path| path.exists()).count(),
-        path: stated.source.paths().find(|path| path.exists()).cloned(),
+        tiles: stated.source.places().filter(|place| place.exists()).count(),
+        path: stated.source.places().filter(|place| place.exists()).find_map(|place| place.path().cloned()),
         size: size_of(&stated.source).ok(),
     };
     stated.iter().map(report).collect()

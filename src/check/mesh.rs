@@ -116,7 +116,7 @@ pub fn check_mesh(
 fn empty_message(counts: &Counts) -> String {
     let Counts { faces, skipped_faces, .. } = counts;
     let why = match (faces, skipped_faces) {
-        (0, _) => "not one `f` statement".to_string(),
+        (0, _) => "it has no faces".to_string(),
         (_, 0) => format!("none of the {faces} faces has an area"),
         (faces, skipped) if faces == skipped => format!("all {faces} faces were skipped"),
         (faces, skipped) => format!("{skipped} of {faces} faces were skipped, the others have no area"),

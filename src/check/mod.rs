@@ -24,8 +24,9 @@ pub use mesh::{Bounds, MeshReport, check_mesh, short};
 pub use topology::Topology;
 
 use crate::error::{Error, Finding, Findings, Result};
-use crate::load::object::{self, Object};
-use crate::load::{self, obj::ReadOptions};
+use crate::load::object::Object;
+use crate::load::texture::StatedTexture;
+use crate::load::{self, Opening, Reading, obj::ReadOptions};
 use std::path::{Path, PathBuf};
 
 /// What is in a file and what is wrong with it.
@@ -66,24 +67,30 @@ pub(crate) fn out_of_memory() -> Error {
     Error::new("not enough memory to check the mesh").advise("use a machine with more memory")
 }
 
-/// Checks the mesh (`.obj`) or scene file (`.toml`) `input`. `progress` hears the share of the reading done (0 to
+/// Checks the mesh (of any of the [`load::FORMATS`]; `-` is standard input) or scene file (`.toml`) `input`. `progress` hears the share of the reading done (0 to
 /// 1); its `false` cancels with [`load::cancelled`].
 ///
 /// # Errors
 /// What cannot be read at all; for scenes, everything that [`load::scene`] refuses.
-pub fn check(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
-    load::open::open_regular(input)?;
-    if load::is_mesh(input)? { check_object(input, progress) } else { check_scene(input, progress) }
+pub fn check(input: &Path, opening: Opening, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
+    if input != Path::new(load::STDIN) {
+        load::open::open_regular(input)?;
+    }
+    match load::is_mesh(input, &opening)? {
+        true => check_object(input, opening, progress),
+        false => check_scene(input, Opening { format: None, ..opening }, progress),
+    }
 }
 
 /// A mesh file and what it shows of itself. `defined`: the materials that need no library.
 fn read(
     file: &Path,
+    opening: Opening,
     progress: &(dyn Fn(f64) -> bool + Sync),
     defined: &dyn Fn(&[u8]) -> bool,
 ) -> Result<(Object, MeshReport, Findings)> {
     let options = ReadOptions { progress, keep_empty: true, face_lines: true, ..ReadOptions::default() };
-    let mut object = object::read_with(file, &options, defined)?;
+    let mut object = load::read(file, &Reading { options, opening, defined })?;
     let mut findings = std::mem::take(&mut object.findings);
     let going_on = || if progress(1.0) { Ok(()) } else { Err(load::cancelled()) };
     going_on()?;
@@ -97,10 +104,11 @@ fn read(
     Ok((object, mesh, findings))
 }
 
-fn check_object(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
-    let (object, mesh, mut findings) = read(input, progress, &|_| false)?;
+fn check_object(input: &Path, opening: Opening, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
+    let (object, mesh, mut findings) = read(input, opening, progress, &|_| false)?;
     let uses = materials::uses([(&object.mesh, 1)], object.materials.len());
-    let textures = materials::textures(&object.definitions, &mut findings);
+    let mut textures = materials::textures(&object.definitions, &mut findings);
+    textures.append(&mut materials::textures_of_scene(&StatedTexture::of(&object.materials, input)));
     let materials = materials::of_object(&object, &uses);
     Ok(Report {
         input: input.to_path_buf(),
@@ -116,8 +124,8 @@ fn check_object(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result
     })
 }
 
-fn check_scene(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
-    let loaded = load::scene(input, load::Options { progress, ..load::Options::default() })?;
+fn check_scene(input: &Path, opening: Opening, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
+    let loaded = load::scene(input, load::Options { progress, opening, ..load::Options::default() })?;
     let scene = &loaded.scene;
     let uses = materials::uses_in(scene);
     let bounds = scene.bounds();
@@ -142,9 +150,12 @@ fn check_scene(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<
     let files: Vec<PathBuf> = loaded.files.iter().take(loaded.mesh_files).cloned().collect();
     drop(loaded);
     for file in files {
-        let (object, mesh, findings) = read(&file, progress, &|_| true)?;
+        let (object, mesh, findings) = read(&file, opening, progress, &|_| true)?;
         report.findings.append(findings);
         report.textures.append(&mut materials::textures(&object.definitions, &mut report.findings));
+        report
+            .textures
+            .append(&mut materials::textures_of_scene(&StatedTexture::of(&object.materials, &file)));
         materials::name_places(&mut report.materials, &object);
         report.meshes.push(mesh);
     }

@@ -21,7 +21,7 @@ use std::path::PathBuf;
     disable_version_flag = true,
     args_conflicts_with_subcommands = true,
     max_term_width = 110,
-    override_usage = "drt [OPTIONS] <MESH.obj|SCENE.toml>\n       drt <COMMAND>"
+    override_usage = "drt [OPTIONS] <MESH|SCENE.toml>\n       drt <COMMAND>"
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -89,8 +89,8 @@ impl StudyArgs {
 /// The flags of `drt render`.
 #[derive(Args)]
 pub struct RenderArgs {
-    /// A mesh (.obj) or a scene file (.toml)
-    #[arg(value_name = "MESH.obj|SCENE.toml")]
+    /// A mesh (.obj, .ply, .stl, .gltf, .glb; also in .gz and .zst; `-` is standard input) or a scene file (.toml)
+    #[arg(value_name = "MESH|SCENE.toml")]
     pub input: Option<PathBuf>,
 
     /// Write the picture here; repeat for several formats
@@ -99,6 +99,9 @@ pub struct RenderArgs {
     /// writes a PNG to standard output. Without -o: INPUT's name with .png, in the current folder.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub opening: super::input::InputArgs,
 
     /// Samples a pixel, 1 to 1048576 (64 by default); twice the samples take the noise down by √2
     #[arg(long, value_name = "N", help_heading = "Picture", allow_negative_numbers = true)]

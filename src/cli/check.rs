@@ -14,9 +14,12 @@ use std::path::{Path, PathBuf};
 /// The flags of `drt check`.
 #[derive(Args)]
 pub struct CheckArgs {
-    /// A mesh (.obj) or a scene file (.toml)
-    #[arg(value_name = "MESH.obj|SCENE.toml")]
+    /// A mesh (`-` is standard input) or a scene file (.toml)
+    #[arg(value_name = "MESH|SCENE.toml")]
     pub input: PathBuf,
+
+    #[command(flatten)]
+    pub opening: super::input::InputArgs,
 
     /// Write all of it as JSON to standard output
     #[arg(long)]
@@ -37,13 +40,14 @@ pub struct CheckArgs {
 /// A file that cannot be read; errors in it, with `--strict` also warnings; a signal.
 pub fn run(args: &CheckArgs) -> Result<(), Failure> {
     let against = args.against.as_deref().map(against).transpose()?;
+    let opening = args.opening.opening()?;
     let signals = Signals::listen()?;
     let threads = machine::threads();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| Error::new(format!("cannot start {threads} threads: {e}")))?;
     let progress = |_| !signals.stop();
     let work = || {
-        let mut report = check::check(&args.input, &progress)?;
+        let mut report = check::check(&args.input, opening, &progress)?;
         if let Some(against) = against {
             report.findings.append(against(&args.input, &progress)?);
         }

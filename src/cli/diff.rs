@@ -31,8 +31,8 @@ const RAY_BYTES: u64 = 7 * (36 + 2 * 22) + 3 * 36;
 /// The flags of `drt diff-backends`.
 #[derive(Args)]
 pub struct DiffArgs {
-    /// A mesh (.obj), a scene file (.toml), or a reproducer that an earlier run has written (case-N.toml)
-    #[arg(value_name = "MESH.obj|SCENE.toml|case-N.toml")]
+    /// A mesh, a scene file (.toml), or a reproducer that an earlier run has written (case-N.toml)
+    #[arg(value_name = "MESH|SCENE.toml|case-N.toml")]
     pub input: PathBuf,
 
     /// Rays of each kind, 1 to 100000000 (30000 by default)

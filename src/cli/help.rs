@@ -8,6 +8,7 @@ use drt::converge::report;
 use drt::converge::scene::Subject;
 use drt::film::{Aov, Filter, PixelRule};
 use drt::light::Light;
+use drt::load::FORMATS as MESH_FORMATS;
 use drt::load::auto::{Sky, Up, View};
 use drt::math::isa::Isa;
 use drt::output::{FORMATS, ToneMap};
@@ -38,6 +39,8 @@ EXAMPLES
       a part of the picture at full quality, with the pixels of the whole
   drt bunny.obj --turntable 36 -o turn-##.png
       36 pictures from all around; --frames 0..47 for a scene that moves
+  zcat scan.ply.gz | drt - -o scan.png
+      a mesh from standard input; .obj, .ply, .stl, .gltf and .glb, also in .gz and .zst (docs/formats.md)
   drt check scan.obj
       what is in the file and what is wrong with it; --json for programs, --strict to fail on warnings
   drt converge scenes/cornell-box.toml -o cornell.svg
@@ -116,6 +119,15 @@ pub fn topics() -> String {
         ("backend", Backend::ALL.iter().map(|b| b.name()).collect()),
         ("output", FORMATS.iter().flat_map(|f| f.extensions).copied().collect()),
     ];
+    for format in MESH_FORMATS {
+        let _ = writeln!(
+            text,
+            "  mesh {:<10} {}: .{}",
+            format.name,
+            format.meaning,
+            format.extensions.join(", .")
+        );
+    }
     for (title, names) in words {
         let _ = writeln!(text, "  {title:<15} {}", names.join(", "));
     }

@@ -7,6 +7,7 @@ mod console;
 mod converge;
 mod diff;
 mod help;
+mod input;
 mod machine;
 mod panics;
 mod paths;

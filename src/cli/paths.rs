@@ -11,9 +11,18 @@ pub fn outputs(asked: &[PathBuf], input: &Path) -> Vec<PathBuf> {
     if !asked.is_empty() {
         return asked.to_vec();
     }
-    let mut name = input.file_stem().unwrap_or("picture".as_ref()).to_os_string();
+    let mut name = stem(input);
     name.push(".png");
     vec![name.into()]
+}
+
+/// A file's name without its extension, and without that of the mesh that it is packed around.
+fn stem(input: &Path) -> std::ffi::OsString {
+    if input == Path::new(drt::load::STDIN) {
+        return "stdin".into();
+    }
+    let stem = drt::load::unpack::strip(input);
+    stem.file_stem().unwrap_or("picture".as_ref()).to_os_string()
 }
 
 /// Checks that all of it can be written, to different places.
@@ -62,7 +71,8 @@ pub fn check_inputs<'p>(
     inputs: impl Iterator<Item = &'p Path>,
 ) -> Result<()> {
     let all: Vec<&Path> = outputs.iter().map(PathBuf::as_path).chain(stats).collect();
-    for input in inputs {
+    // Standard input and standard output share a name and nothing else.
+    for input in inputs.filter(|input| *input != Path::new(drt::load::STDIN)) {
         if let Some(output) = all.iter().find(|output| is_same(output, input)) {
             return Err(Error::new("is both input and output").at(*output).advise("write to another file"));
         }

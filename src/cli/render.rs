@@ -53,7 +53,7 @@ pub fn run(args: RenderArgs) -> Result<(), Failure> {
 impl Job {
     fn new(args: RenderArgs) -> Result<Job> {
         let input = args.input.clone().ok_or_else(|| {
-            Error::usage("no input").advise("name a mesh (.obj) or a scene file (.toml); see drt --help")
+            Error::usage("no input").advise("name a mesh or a scene file (.toml); see drt --help")
         })?;
         let verbosity = match (args.quiet, args.verbose) {
             (true, _) => Verbosity::Quiet,
@@ -216,6 +216,7 @@ impl Job {
                     .map_or(Ok(load::Options::default().max_texture_bytes), |word| {
                         super::args::bytes("--max-texture-bytes", word)
                     })?,
+                opening: args.opening.opening()?,
                 progress: &progress,
             },
         )

@@ -7,24 +7,31 @@ mod prototypes;
 mod seen;
 
 use super::auto::{self, Sky};
+use super::framing::CameraPlan;
 use super::materials::MaterialSpec;
-use super::object::{self, Object};
+use super::object::Object;
 use super::scene_file::{LightPlan, MaterialPatch, MeshPlan, Plan};
 use super::sky::{SkyPicture, SkySource};
 use super::texture;
-use super::{Loaded, Options, cancelled};
+use super::{Loaded, Options, Reading, STDIN, cancelled};
 use crate::error::{Error, Finding, Result, Severity, nearest, show_path};
 use crate::math::DVec3;
 use crate::scene::{IntegratorKind, Scene};
-use lights::{is_dark, lamp, place_light};
+use lights::{is_dark, lamp, moved, place_light};
 use palette::{Choice, Palette};
 use places::{Placement, Stock, place_all, scene_origin};
 use seen::seen;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Reads the meshes of `plan` and puts everything in its place. `input`: the file to name in findings.
-pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) -> Result<Loaded> {
+/// Reads the meshes of `plan` and puts everything in its place. `input`: the file to name in findings. `usual_sky`:
+/// nobody asked for the sky, so that lights which the mesh brings replace it.
+pub(super) fn assemble(
+    mut plan: Plan<'_>,
+    input: &Path,
+    options: &Options<'_>,
+    usual_sky: bool,
+) -> Result<Loaded> {
     let (mut files, mut objects) = read_objects(&plan, options)?;
     let mesh_files = files.paths.len();
     let mut findings = std::mem::take(&mut plan.findings);
@@ -67,6 +74,8 @@ pub(super) fn assemble(mut plan: Plan<'_>, input: &Path, options: &Options<'_>) 
             severity: Severity::Note,
         });
     }
+    let brought = (&mut plan.lights, &mut plan.camera);
+    take_from_files(brought, &placements, &objects, options, usual_sky);
     let of_file =
         |p: &Placement| objects.get(p.file).and_then(Option::as_ref).map_or(0, |o| o.counts.triangles);
     let in_files: u64 = placements.iter().map(of_file).sum();
@@ -132,7 +141,7 @@ struct Files {
 
 /// Refuses a mesh file that cannot be opened, at the place that names it and before the first one is read.
 fn check_files(meshes: &[MeshPlan<'_>]) -> Result<()> {
-    for mesh in meshes {
+    for mesh in meshes.iter().filter(|mesh| mesh.file != Path::new(STDIN)) {
         if let Err(why) = super::open::open_regular(&mesh.file) {
             let mut error = mesh.field.error(format!("{}: {}", show_path(&mesh.file), why.message));
             let relative = "a relative path starts in the scene file's folder";
@@ -168,14 +177,35 @@ fn read_objects(plan: &Plan<'_>, options: &Options<'_>) -> Result<(Files, Vec<Op
                 let name = std::str::from_utf8(name).ok();
                 name.and_then(|name| plan.materials.get(name)).is_some_and(MaterialPatch::is_whole)
             };
-            object::read(path, &progress, &is_whole).map(Some)
+            let reading = Reading { opening: options.opening, defined: &is_whole, ..Reading::new(&progress) };
+            super::read(path, &reading).map(Some)
         })
         .collect();
     Ok((Files { paths, of_mesh }, objects?))
 }
 
-/// What `--view`, `--sky` and the like add to a plan.
-pub(super) fn apply_look(plan: &mut Plan<'_>, is_bare: bool, options: &Options<'_>) -> Result<()> {
+/// The lights that mesh files bring, and the first of their cameras where the scene places none.
+fn take_from_files(
+    (lights, scene_camera): (&mut Vec<LightPlan>, &mut CameraPlan),
+    placements: &[Placement],
+    objects: &[Option<Object>],
+    options: &Options<'_>,
+    usual_sky: bool,
+) {
+    for placement in placements {
+        let Some(object) = objects.get(placement.file).and_then(Option::as_ref) else { continue };
+        if usual_sky && !object.lights.is_empty() {
+            lights.retain(|light| !light.is_environment());
+        }
+        lights.extend(object.lights.iter().map(|light| moved(light, placement.transform.matrix())));
+        if let Some(camera) = object.camera.filter(|_| options.view.is_none()) {
+            scene_camera.take(&camera, placement.transform.matrix());
+        }
+    }
+}
+
+/// What `--view`, `--sky` and the like add to a plan; whether that is a sky that nobody asked for.
+pub(super) fn apply_look(plan: &mut Plan<'_>, is_bare: bool, options: &Options<'_>) -> Result<bool> {
     if let Some(up) = options.up {
         if plan.camera.up.is_some() {
             return Err(Error::usage("--up: the scene sets camera.up").advise("use --set camera.up=[0,0,1]"));
@@ -190,7 +220,8 @@ pub(super) fn apply_look(plan: &mut Plan<'_>, is_bare: bool, options: &Options<'
             .advise("leave --view out, or move the camera with --set camera.position=[x,y,z]"));
     }
     let usual = (is_bare && plan.lights.is_empty()).then_some(SkySource::BuiltIn(Sky::Studio));
-    let Some(sky) = options.sky.clone().or(usual) else { return Ok(()) };
+    let is_usual = options.sky.is_none() && usual.is_some();
+    let Some(sky) = options.sky.clone().or(usual) else { return Ok(false) };
     plan.lights.retain(|light| !light.is_environment());
     plan.lights.push(match sky {
         SkySource::BuiltIn(sky) => LightPlan::Sky { sky, up: None, scale: 1.0 },
@@ -199,5 +230,5 @@ pub(super) fn apply_look(plan: &mut Plan<'_>, is_bare: bool, options: &Options<'
             LightPlan::Picture { picture, scale: 1.0, rotate: 0.0, up: options.up.map(auto::Up::vector) }
         }
     });
-    Ok(())
+    Ok(is_usual)
 }

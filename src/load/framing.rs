@@ -1,8 +1,9 @@
 //! The camera that frames a scene: what `[camera]` leaves open is chosen so that everything is in the picture.
 
 use super::auto::{self, Bearings, View};
+use super::object::FileCamera;
 use crate::camera::{Aperture, CameraSpec, Projection, Window};
-use crate::math::DVec3;
+use crate::math::{DMat4, DVec3};
 use crate::shape::{Mesh, Motion};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -104,6 +105,27 @@ impl Extents {
 }
 
 impl CameraPlan {
+    /// Takes the place of a camera that a mesh file brings, unless the scene has one; of its lens, what is left open.
+    /// `placed`: where the mesh stands.
+    pub fn take(&mut self, camera: &FileCamera, placed: DMat4) {
+        let position = placed.transform_point3(camera.position);
+        let forward = placed.transform_vector3(camera.forward);
+        let up = placed.transform_vector3(camera.up);
+        let is_taken = self.position.is_some() || self.look_at.is_some() || !position.is_finite();
+        if is_taken || forward.normalize_or_zero().cross(up.normalize_or_zero()).length() < 1e-6 {
+            return;
+        }
+        let other_lens = self.projection != Projection::Perspective || self.lens != Lens::Usual;
+        if let (false, Lens::Height(_)) = (other_lens, camera.lens) {
+            self.projection = Projection::Orthographic;
+        }
+        if !other_lens {
+            self.lens = camera.lens;
+        }
+        (self.position, self.look_at) = (Some(position), Some(position + forward));
+        self.up.get_or_insert(up);
+    }
+
     /// Fills the gaps for a picture of `size` pixels of `meshes` (in coordinates relative to `origin`).
     pub fn frame(&self, view: View, size: [u32; 2], meshes: &[Arc<Mesh>], origin: DVec3) -> CameraSpec {
         let up = self.up.unwrap_or(DVec3::Y);

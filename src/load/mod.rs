@@ -10,7 +10,10 @@
 mod assemble;
 pub mod auto;
 mod classic;
+mod format;
 mod framing;
+mod gltf;
+mod input;
 pub(crate) mod materials;
 pub mod mtl;
 pub mod obj;
@@ -18,13 +21,21 @@ pub(crate) mod object;
 pub mod open;
 pub mod picture;
 mod place;
+mod ply;
 mod scene_file;
 pub mod sky;
+mod stl;
 pub(crate) mod texture;
+pub mod unpack;
+mod wavefront;
+mod words;
 
+pub use format::{FORMATS, Format, Opening};
+pub(crate) use format::{Reading, is_mesh, read};
+pub use input::STDIN;
 pub use scene_file::Override;
 
-use crate::error::{Error, Findings, Result, unknown_word_advice};
+use crate::error::{Error, Findings, Result};
 use crate::scene::{Scene, Settings};
 use auto::{Up, View};
 use sky::SkySource;
@@ -44,6 +55,8 @@ pub struct Options<'a> {
     pub sky: Option<SkySource>,
     /// Bytes that all textures together may take in memory; pictures beyond it are left out with a warning.
     pub max_texture_bytes: u64,
+    /// How the input is opened, if it is a mesh.
+    pub opening: Opening,
     /// Told now and then the share done (0 to 1); `false` cancels the reading, which then fails with
     /// [`cancelled`].
     pub progress: &'a (dyn Fn(f64) -> bool + Sync),
@@ -58,6 +71,7 @@ impl Default for Options<'_> {
             ground: false,
             sky: None,
             max_texture_bytes: texture::MOST_BYTES,
+            opening: Opening::default(),
             progress: &|_| true,
         }
     }
@@ -89,7 +103,7 @@ pub fn cancelled() -> Error {
     Error::new("reading the scene was cancelled")
 }
 
-/// Reads the scene file (`.toml`) or bare mesh (`.obj`) `input`.
+/// Reads the scene file (`.toml`) or bare mesh (of one of the [`FORMATS`]; `-` is standard input) `input`.
 ///
 /// Everything that the scene file says is checked before the first mesh is read.
 ///
@@ -97,8 +111,10 @@ pub fn cancelled() -> Error {
 /// The first wrong key or value, by file, line and column, or by flag with the blame on the usage; what makes
 /// a mesh file useless; coordinates beyond 1e18.
 pub fn scene(input: &Path, mut options: Options<'_>) -> Result<Loaded> {
-    open::open_regular(input)?;
-    let is_bare = is_mesh(input)?;
+    if input != Path::new(STDIN) {
+        open::open_regular(input)?;
+    }
+    let is_bare = is_mesh(input, &options.opening)?;
     let mut tree = if is_bare { scene_file::tree_of_mesh(input) } else { scene_file::tree_of(input)? };
     for change in std::mem::take(&mut options.overrides) {
         change.apply(&mut tree)?;
@@ -113,26 +129,14 @@ pub fn scene(input: &Path, mut options: Options<'_>) -> Result<Loaded> {
         // The tree holds text; a path need not be any.
         mesh.file = input.to_path_buf();
     }
+    if !is_bare {
+        options.opening.format = None;
+    }
     if plan.meshes.is_empty() && plan.lights.is_empty() {
         return Err(Error::new("the scene has no mesh and no light")
             .at(input)
             .advise("add a [[mesh]] with file = \"….obj\""));
     }
-    assemble::apply_look(&mut plan, is_bare, &options)?;
-    assemble::assemble(plan, input, &options)
-}
-
-/// True for a mesh, false for a scene file, by extension.
-pub(crate) fn is_mesh(input: &Path) -> Result<bool> {
-    let extension = input.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    match extension.as_str() {
-        "obj" => Ok(true),
-        "toml" => Ok(false),
-        "" => Err(Error::new("the name has no extension, so its format is unknown")
-            .at(input)
-            .advise("name a mesh .obj or a scene .toml")),
-        other => Err(Error::new(format!("cannot read files of the kind \".{other}\""))
-            .at(input)
-            .advise(unknown_word_advice(other, &["obj", "toml"]))),
-    }
+    let usual_sky = assemble::apply_look(&mut plan, is_bare, &options)?;
+    assemble::assemble(plan, input, &options, usual_sky)
 }

@@ -1,16 +1,17 @@
-//! A mesh file with its materials.
+//! What the reader of any format makes of a file: a mesh with its materials.
 
+use super::framing::Lens;
 use super::materials::MaterialSpec;
-use super::mtl::{self, MtlMaterial};
-use super::obj;
-use super::texture::{self, Search};
-use super::{auto, classic};
-use crate::error::{Findings, Result};
+use super::mtl::MtlMaterial;
+use super::scene_file::LightPlan;
+use super::{auto, obj};
+use crate::error::Findings;
 use crate::math::DVec3;
 use crate::shape::Mesh;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A mesh file, read.
+#[derive(Debug)]
 pub(crate) struct Object {
     /// The mesh, relative to `origin`.
     pub mesh: Mesh,
@@ -32,54 +33,48 @@ pub(crate) struct Object {
     pub counts: obj::Counts,
     /// The line of each triangle's face, where it was asked for.
     pub face_lines: Option<Vec<u32>>,
+    /// The camera that the file brings, for a scene that places none.
+    pub camera: Option<FileCamera>,
+    /// The lights that the file brings.
+    pub lights: Vec<LightPlan>,
 }
 
-/// Reads `file` and the material libraries that it names. `progress` hears the share done; its `false`
-/// cancels. `defined`: the materials that need no library.
-///
-/// # Errors
-/// As [`obj::read`]; a missing library or material is a finding, and its faces are clay.
-pub(crate) fn read(
-    file: &Path,
-    progress: &(dyn Fn(f64) -> bool + Sync),
-    defined: &dyn Fn(&[u8]) -> bool,
-) -> Result<Object> {
-    read_with(file, &obj::ReadOptions { progress, ..obj::ReadOptions::default() }, defined)
+/// A camera in a mesh file, in the file's coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FileCamera {
+    /// The eye.
+    pub position: DVec3,
+    /// Where it looks; unit.
+    pub forward: DVec3,
+    /// Up; not along `forward`.
+    pub up: DVec3,
+    /// The picture's height.
+    pub lens: Lens,
 }
 
-/// As [`read`], with the reader's options.
-///
-/// # Errors
-/// As [`read`].
-pub(crate) fn read_with(
-    file: &Path,
-    options: &obj::ReadOptions<'_>,
-    defined: &dyn Fn(&[u8]) -> bool,
-) -> Result<Object> {
-    let read = obj::read(file, options)?;
-    let resolved = mtl::resolve(file, &read.libraries, &read.material_names, defined);
-    let mut findings = read.findings;
-    findings.append(resolved.findings);
-    let mut search = Search::default();
-    let definitions = resolved.materials.iter().map(Option::as_ref).chain(std::iter::repeat(None));
-    let materials = read.material_names.iter().zip(definitions).map(|(name, definition)| {
-        let name = String::from_utf8_lossy(name).into_owned();
-        match definition {
-            None => MaterialSpec::diffuse(name, auto::CLAY),
-            Some(m) => texture::of_mtl(&name, m, classic::from_mtl, &mut search, &mut findings),
+impl Object {
+    /// A mesh whose file says nothing of materials beyond `materials`, by its ids.
+    pub fn of_mesh(read: obj::ObjFile, materials: Vec<MaterialSpec>) -> Object {
+        Object {
+            mesh: read.mesh,
+            origin: read.origin,
+            materials,
+            findings: read.findings,
+            skipped_faces: read.counts.skipped_faces,
+            libraries: Vec::new(),
+            defined: 0,
+            definitions: Vec::new(),
+            counts: read.counts,
+            face_lines: read.face_lines,
+            camera: None,
+            lights: Vec::new(),
         }
-    });
-    let materials = materials.collect();
-    Ok(Object {
-        mesh: read.mesh,
-        origin: read.origin,
-        materials,
-        findings,
-        skipped_faces: read.counts.skipped_faces,
-        libraries: resolved.libraries,
-        defined: resolved.defined,
-        definitions: resolved.materials,
-        counts: read.counts,
-        face_lines: read.face_lines,
-    })
+    }
+
+    /// A mesh of a file that has no materials: all of it is clay.
+    pub fn of_clay(read: obj::ObjFile) -> Object {
+        let names = read.material_names.iter().map(|name| String::from_utf8_lossy(name).into_owned());
+        let clay = names.map(|name| MaterialSpec::diffuse(name, auto::CLAY)).collect();
+        Object::of_mesh(read, clay)
+    }
 }

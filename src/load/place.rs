@@ -40,6 +40,11 @@ impl Transform {
         (sound && relative > 1e-30).then(|| Transform { matrix, normal: inverse.transpose() })
     }
 
+    /// The matrix.
+    pub fn matrix(&self) -> DMat4 {
+        self.matrix
+    }
+
     /// The transform as instances have it.
     pub fn affine(&self) -> DAffine3 {
         DAffine3::from_mat4(self.matrix)

@@ -9,6 +9,7 @@ fn inputs_that_are_none() {
     let dir = folder.path();
     fs::create_dir(dir.join("d.obj")).unwrap();
     fs::write(dir.join("empty.obj"), "").unwrap();
+    fs::write(dir.join("m.fbx"), "solid").unwrap();
     fs::write(dir.join("m.stl"), "solid").unwrap();
     fs::write(dir.join("bad.toml"), "[film]\nsize = [1, 1]\nsiez = 3\n").unwrap();
     fs::write(dir.join("none.toml"), "").unwrap();
@@ -17,10 +18,11 @@ fn inputs_that_are_none() {
     let table: &[(&str, &[&str])] = &[
         ("missing.obj", &["missing.obj", "No such file"]),
         ("missing\nline.obj", &["missing\\nline.obj", "No such file"]),
-        ("-", &["No such file"]),
+        ("-", &["stdin", "is empty"]),
         ("d.obj", &["d.obj", "directory"]),
         ("empty.obj", &["empty.obj"]),
-        ("m.stl", &["m.stl", "obj, toml"]),
+        ("m.fbx", &["m.fbx", "obj, toml"]),
+        ("m.stl", &["m.stl", "no renderable faces"]),
         ("bad.toml", &["bad.toml:3:1:", "did you mean \"size\"?"]),
         ("none.toml", &["none.toml", "[[mesh]]"]),
         ("lost.toml", &["lost.obj", "No such file"]),

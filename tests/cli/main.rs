@@ -4,6 +4,7 @@ mod check;
 mod converge;
 mod diff;
 mod files;
+mod formats;
 mod guide;
 mod mistakes;
 mod pictures;

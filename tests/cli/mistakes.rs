@@ -43,7 +43,7 @@ const SLIPS: &[(&str, &str, &str, &[&str])] = &[
     ("\"t.obj\"", "\"tt.obj\"", "10:8:", &["tt.obj", "No such file", "the scene file's folder"]),
     ("\"t.obj\"", "\"/nowhere/t.obj\"", "10:8:", &["/nowhere/t.obj", "No such file"]),
     ("\"t.obj\"", "\".\"", "10:8:", &["is a directory", "name a file"]),
-    ("\"t.obj\"", "\"t.stl\"", "10:8:", &["\".stl\"", "convert it to .obj"]),
+    ("\"t.obj\"", "\"t.fbx\"", "10:8:", &["\".fbx\"", "convert it to one of gltf, glb, ply, stl, obj"]),
     ("\"t.obj\"", "\"s.toml\"", "10:8:", &["\".toml\""]),
     ("\"t.obj\"", "\"\"", "10:8:", &["mesh.0.file is empty"]),
     ("\"t.obj\"", "\"t.obj", "10:14:", &["no closing quote"]),

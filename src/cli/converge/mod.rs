@@ -21,8 +21,8 @@ use std::time::Instant;
 /// The flags of `drt converge`.
 #[derive(Args)]
 pub struct ConvergeArgs {
-    /// A scene file (.toml), a mesh (.obj), or a built-in integral (listed below)
-    #[arg(value_name = "SCENE.toml|MESH.obj|INTEGRAL")]
+    /// A scene file (.toml), a mesh, or a built-in integral (listed below)
+    #[arg(value_name = "SCENE.toml|MESH|INTEGRAL")]
     pub input: PathBuf,
 
     /// Write the study here; repeat for several formats: .svg (the figure), .csv, .json

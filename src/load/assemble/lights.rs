@@ -4,7 +4,7 @@ use super::Palette;
 use crate::light::{Directional, Environment, Light, Point, Sphere, Spot};
 use crate::load::materials::MaterialSpec;
 use crate::load::scene_file::LightPlan;
-use crate::math::{DVec3, Rgb};
+use crate::math::{DMat4, DVec3, Rgb};
 use crate::scene::Scene;
 use crate::shape::{FaceMaterials, Mesh};
 
@@ -57,6 +57,24 @@ pub fn lamp(light: &LightPlan, origin: DVec3, palette: &mut Palette<'_>) -> Opti
     let id = palette.add(MaterialSpec { emission: *radiance, two_sided: *two_sided, ..black });
     mesh.materials = FaceMaterials::Uniform(id);
     Some(mesh)
+}
+
+/// The light of a mesh file where the mesh is placed. Its strength stays.
+pub fn moved(light: &LightPlan, place: DMat4) -> LightPlan {
+    let mut light = light.clone();
+    match &mut light {
+        LightPlan::Point { position, .. } => *position = place.transform_point3(*position),
+        LightPlan::Directional { direction, .. } => {
+            *direction = place.transform_vector3(*direction).normalize_or(*direction);
+        }
+        LightPlan::Spot { position, direction, .. } => {
+            *position = place.transform_point3(*position);
+            *direction = place.transform_vector3(*direction).normalize_or(*direction);
+        }
+        // No format brings others.
+        _ => {}
+    }
+    light
 }
 
 /// No light, or only lights of radiance zero.

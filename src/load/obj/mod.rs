@@ -27,6 +27,7 @@
 
 mod assemble;
 mod block;
+pub(super) mod builder;
 mod cleanup;
 mod corners;
 mod faces;

@@ -3,11 +3,12 @@
 use super::{Kind, MOST_PIXELS, exr, kind_of, pfm};
 use crate::error::Result;
 use crate::load::open::open_regular;
+use crate::load::texture::Place;
 use crate::texture::{Data, Texels, Transfer};
 use ::image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
-use std::path::Path;
+use std::sync::Arc;
 
 /// A file may be this much longer than its texels: profiles, previews, further pictures.
 const SURPLUS: u64 = 64 << 20;
@@ -52,12 +53,12 @@ pub(crate) struct Probe {
     kind: Kind,
 }
 
-/// Reads the header of the picture `path` and nothing else.
+/// Reads the header of the picture at `place` and nothing else.
 ///
 /// # Errors
 /// Everything that a header can tell.
-pub(crate) fn probe(path: &Path) -> Result<Probe, Trouble> {
-    let (mut file, length, kind) = open(path)?;
+pub(crate) fn probe(place: &Place) -> Result<Probe, Trouble> {
+    let (mut file, length, kind) = open(place)?;
     let (size, bytes_a_pixel) = match kind {
         Kind::Exr => exr::size_of(&mut BufReader::new(&mut file)).map(|size| (size, 16)),
         Kind::Pfm => {
@@ -83,12 +84,12 @@ pub(crate) fn probe(path: &Path) -> Result<Probe, Trouble> {
     Ok(Probe { size: [w, h], bytes, kind })
 }
 
-/// Decodes the picture `path`, which `probe` has looked at.
+/// Decodes the picture at `place`, which `probe` has looked at.
 ///
 /// # Errors
 /// Damage, and a file that changed in between.
-pub(crate) fn texels(path: &Path, probe: &Probe) -> Result<Texels, Trouble> {
-    let (file, length, kind) = open(path)?;
+pub(crate) fn texels(place: &Place, probe: &Probe) -> Result<Texels, Trouble> {
+    let (file, length, kind) = open(place)?;
     if kind != probe.kind || length > SURPLUS + 2 * probe.bytes {
         return Err(Trouble::Damaged);
     }
@@ -108,9 +109,50 @@ pub(crate) fn texels(path: &Path, probe: &Probe) -> Result<Texels, Trouble> {
     if texels.size() == probe.size { Ok(texels) } else { Err(Trouble::Damaged) }
 }
 
-/// The file, its length and what it holds, told from its first bytes.
-fn open(path: &Path) -> Result<(File, u64, Kind), Trouble> {
-    let (mut file, length) = open_regular(path).map_err(|e| Trouble::Unreadable(e.message))?;
+/// An opened picture.
+enum Opened {
+    File(File),
+    Bytes(Cursor<Shared>),
+}
+
+/// Bytes that belong to several.
+struct Shared(Arc<Vec<u8>>);
+
+impl AsRef<[u8]> for Shared {
+    fn as_ref(&self) -> &[u8] {
+        &self.0
+    }
+}
+
+impl Read for Opened {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        match self {
+            Opened::File(file) => file.read(buffer),
+            Opened::Bytes(bytes) => bytes.read(buffer),
+        }
+    }
+}
+
+impl Seek for Opened {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        match self {
+            Opened::File(file) => file.seek(to),
+            Opened::Bytes(bytes) => bytes.seek(to),
+        }
+    }
+}
+
+/// The picture, its length and what it holds, told from its first bytes.
+fn open(place: &Place) -> Result<(Opened, u64, Kind), Trouble> {
+    let (mut file, length) = match place {
+        Place::File(path) => {
+            let (file, length) = open_regular(path).map_err(|e| Trouble::Unreadable(e.message))?;
+            (Opened::File(file), length)
+        }
+        Place::Inside(inside) => {
+            (Opened::Bytes(Cursor::new(Shared(inside.bytes.clone()))), inside.bytes.len() as u64)
+        }
+    };
     let first = beginning(&mut file)?;
     if first.is_empty() {
         return Err(Trouble::Empty);
@@ -120,7 +162,7 @@ fn open(path: &Path) -> Result<(File, u64, Kind), Trouble> {
 }
 
 /// The first bytes; the file stands at its start again.
-fn beginning(file: &mut File) -> Result<Vec<u8>, Trouble> {
+fn beginning(file: &mut Opened) -> Result<Vec<u8>, Trouble> {
     let mut first = Vec::new();
     let read = file.by_ref().take(256).read_to_end(&mut first).and_then(|_| file.seek(SeekFrom::Start(0)));
     read.map(|_| first).map_err(|e| Trouble::Unreadable(e.to_string()))

@@ -3,6 +3,8 @@
 use super::reader::{Field, Section};
 use super::transform::{motion, transform, transform_in};
 use crate::error::{Error, Result, unknown_word_advice};
+use crate::load::format::Format;
+use crate::load::input::STDIN;
 use crate::load::place::{NormalsMode, Transform};
 use crate::shape::{Motion, Stage};
 use std::collections::BTreeMap;
@@ -203,16 +205,20 @@ fn text<'t>(table: &mut Section<'t>, key: &'static str) -> Result<Option<Field<'
 /// Refuses what cannot be a mesh by its name, as the command line does.
 fn check_name(file: &Field<'_>) -> Result<()> {
     let name = Path::new(file.text()?);
+    let known = Format::all_extensions().join(", ");
     match name.extension().map(|e| e.to_string_lossy().to_lowercase()) {
         _ if name.as_os_str().is_empty() => {
             Err(file.error(format!("{} is empty", file.name())).advise("e.g. file = \"bunny.obj\""))
         }
+        _ if name == Path::new(STDIN) && file.line() > 0 => Err(file
+            .error("a scene file reads no standard input")
+            .advise("give the mesh on the command line, or write \"./-\" for a file of that name")),
         Some(kind)
-            if matches!(kind.as_str(), "stl" | "ply" | "gltf" | "glb" | "fbx" | "dae" | "3ds" | "toml") =>
+            if matches!(kind.as_str(), "fbx" | "dae" | "3ds" | "usd" | "usdz" | "blend" | "off" | "toml") =>
         {
             Err(file
                 .error(format!("cannot read meshes of the kind \".{kind}\""))
-                .advise("convert it to .obj first"))
+                .advise(format!("convert it to one of {known}")))
         }
         _ => Ok(()),
     }

@@ -6,7 +6,7 @@ use crate::bsdf::{Bsdf, Parameter, parameter::Channels};
 use crate::error::{Result, lookup};
 use crate::load::materials::MaterialSpec;
 use crate::load::open::Finder;
-use crate::load::texture::{MapSpec, Slot, Source, Stated};
+use crate::load::texture::{MapSpec, Place, Slot, Source, Stated};
 use crate::math::Rgb;
 use crate::texture::{Channel, Filter, Mapping, Transfer, Wrap};
 use std::path::Path;
@@ -115,7 +115,7 @@ fn read(field: &Field<'_>, key: &str, folder: &Path, finder: &mut Finder) -> Res
     let mapping = mapping(&mut table, if raw { Transfer::Linear } else { Transfer::Srgb })?;
     table.finish()?;
     let found = Source::find(finder, folder, name.as_bytes());
-    let source = found.map_or_else(|| Source::One(folder.join(name)), |found| found.0);
+    let source = found.map_or_else(|| Source::One(Place::File(folder.join(name))), |found| found.0);
     let stated =
         Stated { file: field.file().to_path_buf(), line: file.line(), title: field.name().to_string() };
     Ok(MapSpec { slot, source, mapping, fallback: None, stated })

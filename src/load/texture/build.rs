@@ -60,7 +60,7 @@ pub(super) fn material(spec: &MaterialSpec, pictures: Option<&Pictures>) -> Mate
 /// The picture or set of `spec`, as far as its files could be decoded.
 fn texture(spec: &MapSpec, pictures: &Pictures) -> Option<Texture> {
     match &spec.source {
-        Source::One(path) => Some(Texture::new(pictures.get(path)?.clone(), spec.mapping)),
+        Source::One(place) => Some(Texture::new(pictures.get(place)?.clone(), spec.mapping)),
         Source::Tiles(tiles) => {
             let tiles =
                 tiles.iter().filter_map(|(number, path)| Some((*number, pictures.get(path)?.clone())));

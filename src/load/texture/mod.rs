@@ -8,12 +8,14 @@ mod bare;
 mod build;
 mod mtl;
 mod pictures;
+mod plain;
 mod source;
 
 pub(crate) use build::{Job, build};
 pub(crate) use mtl::{Search, of_mtl};
 pub(crate) use pictures::MOST_BYTES;
-pub(crate) use source::Source;
+pub(crate) use plain::of_picture;
+pub(crate) use source::{Inside, Place, Source};
 
 use super::materials::MaterialSpec;
 use crate::bsdf::Parameter;

@@ -1,22 +1,84 @@
-//! The files of a texture: one, or the tiles of a UDIM set.
+//! Where the pictures of a texture are: one, or the tiles of a UDIM set; in files of their own or inside another.
 
 use crate::load::open::{Finder, Match, path_from_bytes};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-/// The files of a texture.
+/// Where a picture is.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Place {
+    /// In a file of its own.
+    File(PathBuf),
+    /// Inside a mesh file.
+    Inside(Inside),
+}
+
+/// A picture inside a mesh file.
+#[derive(Clone)]
+pub(crate) struct Inside {
+    /// The mesh file.
+    pub file: PathBuf,
+    /// Which of its pictures.
+    pub number: usize,
+    /// The picture as a file of its own would have it.
+    pub bytes: Arc<Vec<u8>>,
+}
+
+impl Inside {
+    fn key(&self) -> (&Path, usize) {
+        (&self.file, self.number)
+    }
+}
+
+impl std::fmt::Debug for Inside {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.key().fmt(f)
+    }
+}
+
+impl PartialEq for Inside {
+    fn eq(&self, other: &Inside) -> bool {
+        self.key() == other.key()
+    }
+}
+
+impl Eq for Inside {}
+
+impl std::hash::Hash for Inside {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        self.key().hash(state);
+    }
+}
+
+impl Place {
+    /// The picture's own file.
+    pub fn path(&self) -> Option<&PathBuf> {
+        match self {
+            Place::File(path) => Some(path),
+            Place::Inside(_) => None,
+        }
+    }
+
+    /// Whether it is there, readable or not.
+    pub fn exists(&self) -> bool {
+        self.path().is_none_or(|path| path.exists())
+    }
+}
+
+/// The pictures of a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Source {
     /// One picture.
-    One(PathBuf),
+    One(Place),
     /// Tiles of a UDIM set by number, ascending.
-    Tiles(Vec<(u32, PathBuf)>),
+    Tiles(Vec<(u32, Place)>),
 }
 
 impl Source {
-    /// Every file.
-    pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+    /// Every picture.
+    pub fn places(&self) -> impl Iterator<Item = &Place> {
         let (one, tiles) = match self {
-            Source::One(path) => (Some(path), [].as_slice()),
+            Source::One(place) => (Some(place), [].as_slice()),
             Source::Tiles(tiles) => (None, tiles.as_slice()),
         };
         one.into_iter().chain(tiles.iter().map(|tile| &tile.1))
@@ -25,7 +87,7 @@ impl Source {
     /// The files that a scene in `folder` calls `name`, and how the name led to them.
     pub fn find(finder: &mut Finder, folder: &Path, name: &[u8]) -> Option<(Source, Match)> {
         let Some(at) = token(name) else {
-            return finder.find(folder, name).map(|found| (Source::One(found.path), found.how));
+            return finder.find(folder, name).map(|found| (Source::One(Place::File(found.path)), found.how));
         };
         let slashes: Vec<u8> = name.iter().map(|&b| if b == b'\\' { b'/' } else { b }).collect();
         let start = slashes.iter().take(at).rposition(|&b| b == b'/').map_or(0, |slash| slash + 1);
@@ -47,7 +109,7 @@ fn token(name: &[u8]) -> Option<usize> {
 }
 
 /// The tiles among a folder's files: `prefix`, four digits, `suffix`, in upper or lower case.
-fn tiles(finder: &mut Finder, folder: &Path, prefix: &[u8], suffix: &[u8]) -> Vec<(u32, PathBuf)> {
+fn tiles(finder: &mut Finder, folder: &Path, prefix: &[u8], suffix: &[u8]) -> Vec<(u32, Place)> {
     let [prefix, suffix] = [prefix, suffix].map(|part| String::from_utf8_lossy(part).to_lowercase());
     let number = |name: &str| -> Option<u32> {
         let digits = name.strip_prefix(prefix.as_str())?.strip_suffix(suffix.as_str())?;
@@ -58,5 +120,5 @@ fn tiles(finder: &mut Finder, folder: &Path, prefix: &[u8], suffix: &[u8]) -> Ve
     let mut tiles: Vec<(u32, PathBuf)> =
         entries.filter_map(|(name, entry)| Some((number(name)?, folder.join(entry)))).collect();
     tiles.sort();
-    tiles
+    tiles.into_iter().map(|(number, path)| (number, Place::File(path))).collect()
 }

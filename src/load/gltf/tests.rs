@@ -1,0 +1,427 @@
+use crate::bsdf::{Bsdf, Parameter};
+use crate::error::Result;
+use crate::load::format::read_bytes;
+use crate::load::framing::Lens;
+use crate::load::object::Object;
+use crate::load::scene_file::LightPlan;
+use crate::load::texture::Slot;
+use crate::math::{DVec3, Rgb};
+use crate::texture::{Channel, Transfer, Wrap};
+use serde_json::{Value, json};
+
+/// RFC 4648, as exporters write it.
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut out = String::new();
+    for three in bytes.chunks(3) {
+        let bits = three.iter().fold(0u32, |bits, b| bits << 8 | u32::from(*b)) << (8 * (3 - three.len()));
+        let digit = |i: usize| char::from(DIGITS[(bits >> (18 - 6 * i) & 63) as usize]);
+        out.extend((0..4).map(|i| if i <= three.len() { digit(i) } else { '=' }));
+    }
+    out
+}
+
+fn floats(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+/// A buffer with the views in it, one after the other.
+fn buffer(views: &[Vec<u8>]) -> (Value, Value) {
+    let mut at = 0;
+    let list = views.iter().map(|view| {
+        at += view.len();
+        json!({ "buffer": 0, "byteOffset": at - view.len(), "byteLength": view.len() })
+    });
+    let list: Vec<Value> = list.collect();
+    let uri = format!("data:application/octet-stream;base64,{}", base64(&views.concat()));
+    (json!([{ "byteLength": at, "uri": uri }]), json!(list))
+}
+
+/// A unit square in the plane z = 0 of four vertices, with indices of two triangles.
+fn square() -> Value {
+    let positions = floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
+    let uvs = floats(&[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+    let (buffers, views) = buffer(&[positions, uvs, vec![0, 1, 2, 0, 2, 3]]);
+    json!({
+        "asset": { "version": "2.0" },
+        "buffers": buffers,
+        "bufferViews": views,
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3" },
+            { "bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2" },
+            { "bufferView": 2, "componentType": 5121, "count": 6, "type": "SCALAR" },
+        ],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "indices": 2 }] }],
+        "nodes": [{ "mesh": 0 }],
+        "scenes": [{ "nodes": [0] }],
+    })
+}
+
+fn read(document: &Value) -> Result<Object> {
+    read_bytes("m.gltf", document.to_string().as_bytes())
+}
+
+fn corners(object: &Object) -> Vec<[[f32; 3]; 3]> {
+    let mesh = &object.mesh;
+    mesh.indices.iter().map(|t| t.map(|i| mesh.positions[i as usize])).collect()
+}
+
+/// The document with `patch` laid over it: tables are joined, the rest replaced.
+fn with(mut document: Value, patch: Value) -> Value {
+    fn lay(into: &mut Value, patch: Value) {
+        match (into, patch) {
+            (Value::Object(into), Value::Object(patch)) => {
+                patch.into_iter().for_each(|(key, value)| lay(into.entry(key).or_insert(Value::Null), value));
+            }
+            (into, patch) => *into = patch,
+        }
+    }
+    lay(&mut document, patch);
+    document
+}
+
+#[test]
+fn a_square_in_text_and_in_one_file() {
+    let document = square();
+    let object = read(&document).unwrap();
+    assert_eq!(object.mesh.indices, [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(object.mesh.positions[2], [1.0, 1.0, 0.0]);
+    assert_eq!(object.mesh.uvs.as_ref().unwrap().values, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+    let data = [
+        floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]),
+        vec![0; 32],
+        vec![0, 1, 2, 0, 2, 3, 0, 0],
+    ]
+    .concat();
+    let mut text = with(document, json!({ "buffers": [{ "byteLength": data.len() }] })).to_string();
+    while text.len() % 4 != 0 {
+        text.push(' ');
+    }
+    let mut glb = b"glTF\x02\0\0\0".to_vec();
+    glb.extend((28 + text.len() as u32 + data.len() as u32).to_le_bytes());
+    glb.extend((text.len() as u32).to_le_bytes());
+    glb.extend(b"JSON");
+    glb.extend(text.bytes());
+    glb.extend((data.len() as u32).to_le_bytes());
+    glb.extend(b"BIN\0");
+    glb.extend(&data);
+    assert_eq!(read_bytes("m.glb", &glb).unwrap().mesh.indices, object.mesh.indices);
+    // Cut anywhere, it is refused and nothing else.
+    for end in 0..glb.len() {
+        assert!(read_bytes("m.glb", &glb[..end]).is_err(), "{end}");
+    }
+}
+
+#[test]
+fn nodes_move_turn_and_mirror() {
+    let document = with(
+        square(),
+        json!({
+            "nodes": [
+                { "children": [1, 2], "translation": [10, 0, 0] },
+                { "mesh": 0, "rotation": [0, 0, 0.70710678118654752, 0.70710678118654752], "scale": [2, 1, 1] },
+                { "mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 5, 1] },
+                { "mesh": 0 },
+            ],
+        }),
+    );
+    let object = read(&document).unwrap();
+    let all = corners(&object);
+    assert_eq!(all.len(), 4, "node 3 is in no scene");
+    // (1, 0, 0) is doubled, turned to (0, 2, 0), and moved.
+    let origin = object.origin;
+    let turned = DVec3::from(all[0][1].map(f64::from)) + origin;
+    assert!((turned - DVec3::new(10.0, 2.0, 0.0)).length() < 1e-6, "{turned}");
+    let normal = |t: [[f32; 3]; 3]| {
+        let [a, b, c] = t.map(|p| DVec3::from(p.map(f64::from)));
+        (b - a).cross(c - a).normalize()
+    };
+    assert!(normal(all[0]).z > 0.99 && normal(all[2]).z < -0.99, "a mirrored node faces the other way");
+    for (nodes, words) in [
+        (json!([{ "children": [0] }]), "nodes[0] is below two other nodes, or below itself"),
+        (json!([{ "children": [7] }]), "nodes[7] does not exist"),
+        (json!([{ "mesh": 1 }]), "meshes[1] does not exist"),
+        (json!([{ "mesh": 0, "scale": [1, 2] }]), "nodes[0].scale must be a list of 3 numbers"),
+    ] {
+        let error = read(&with(square(), json!({ "nodes": nodes }))).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn strips_fans_and_lists_without_indices() {
+    let triangles = |primitive: Value| -> Result<Vec<[u32; 3]>> {
+        let object = read(&with(square(), json!({ "meshes": [{ "primitives": [primitive] }] })))?;
+        Ok(object.mesh.indices.clone())
+    };
+    let attributes = json!({ "POSITION": 0 });
+    assert_eq!(triangles(json!({ "attributes": attributes })).unwrap(), [[0, 1, 2]]);
+    let strip = triangles(json!({ "attributes": attributes, "mode": 5 })).unwrap();
+    assert_eq!(strip, [[0, 1, 2], [1, 3, 2]]);
+    let fan = triangles(json!({ "attributes": attributes, "mode": 6 })).unwrap();
+    assert_eq!(fan, [[1, 2, 0], [2, 3, 0]]);
+    let error = triangles(json!({ "attributes": attributes, "mode": 1 })).unwrap_err().to_string();
+    assert!(error.contains("no renderable faces"), "{error}");
+}
+
+#[test]
+fn sparse_and_normalized_accessors() {
+    let places = vec![1u8, 3];
+    let values = floats(&[5.0, 0.0, 0.0, 0.0, 7.0, 0.0]);
+    let shares: Vec<u8> = [0i16, 0, 0, 0, 32767, 0, 0, 0, -32768, 32767, 0, 0, 0, -16384, 0, 0]
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    let (buffers, views) = buffer(&[places, values, shares]);
+    let mut document = with(
+        square(),
+        json!({ "buffers": buffers, "bufferViews": views, "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "mode": 6 }] }] }),
+    );
+    document["accessors"] = json!([{
+        "componentType": 5126, "count": 4, "type": "VEC3",
+        "sparse": {
+            "count": 2,
+            "indices": { "bufferView": 0, "componentType": 5121 },
+            "values": { "bufferView": 1 },
+        },
+    }]);
+    let object = read(&document).unwrap_err().to_string();
+    assert!(object.contains("none of its 2 faces has an area"), "two vertices are at the origin: {object}");
+    document["accessors"][0]["sparse"] = Value::Null;
+    document["bufferViews"][2]["byteStride"] = json!(8);
+    document["accessors"] =
+        json!([{ "bufferView": 2, "componentType": 5122, "normalized": true, "count": 4, "type": "VEC3" }]);
+    let object = read(&document).unwrap();
+    assert_eq!(
+        object.mesh.positions[1..],
+        [[1.0, 0.0, 0.0], [-1.0, 1.0, 0.0], [0.0, -16384.0 / 32767.0, 0.0]]
+    );
+}
+
+#[test]
+fn counts_that_lie_are_refused_before_anything_is_allocated() {
+    for (accessor, words) in [
+        (
+            json!({ "bufferView": 0, "componentType": 5126, "count": 5, "type": "VEC3" }),
+            "accessors[0] says 5 elements",
+        ),
+        (
+            json!({ "bufferView": 0, "byteOffset": 4, "componentType": 5126, "count": 4, "type": "VEC3" }),
+            "do not fit",
+        ),
+        (json!({ "bufferView": 0, "componentType": 5126, "count": u64::MAX, "type": "VEC3" }), "do not fit"),
+        (json!({ "componentType": 5126, "count": 1u64 << 40, "type": "VEC3" }), "elements of no bytes"),
+        (
+            json!({ "bufferView": 9, "componentType": 5126, "count": 4, "type": "VEC3" }),
+            "bufferViews[9] does not exist",
+        ),
+        (
+            json!({ "bufferView": 0, "componentType": 1, "count": 4, "type": "VEC3" }),
+            "unknown \"componentType\"",
+        ),
+        (
+            json!({ "bufferView": 0, "componentType": 5126, "count": -4, "type": "VEC3" }),
+            "must be a whole number",
+        ),
+        (json!({ "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC9" }), "unknown \"type\""),
+    ] {
+        let mut document = square();
+        document["accessors"][0] = accessor;
+        let error = read(&document).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    let error = |patch: Value| read(&with(square(), patch)).unwrap_err().to_string();
+    let huge = json!({ "bufferViews": [{ "buffer": 0, "byteOffset": u64::MAX, "byteLength": 48 }] });
+    assert!(error(huge).contains("bufferViews[0] does not fit into its buffer"));
+    let short = json!({ "buffers": [{ "byteLength": 1u64 << 50, "uri": "data:;base64,AAAA" }] });
+    assert!(error(short).contains("says 1125899906842624 bytes, and there are 3"));
+    let missing = json!({ "buffers": [{ "byteLength": 8, "uri": "nowhere.bin" }] });
+    assert!(error(missing).contains("is in a file that was not found"));
+}
+
+#[test]
+fn an_index_beyond_the_vertices_skips_its_triangle() {
+    let mut document = square();
+    document["accessors"][0]["count"] = json!(3);
+    let object = read(&document).unwrap();
+    assert_eq!((object.mesh.indices.len(), object.skipped_faces), (1, 1));
+    let found = object.findings.kept().find(|f| f.kind == "face-index-out-of-range").unwrap();
+    assert!(found.message.starts_with("face 1 (from 0): face skipped: vertex 4"), "{}", found.message);
+}
+
+#[test]
+fn what_cannot_be_read_says_so() {
+    let error = |patch: Value| read(&with(square(), patch)).unwrap_err().to_string();
+    let draco = error(json!({ "extensionsRequired": ["KHR_draco_mesh_compression"] }));
+    assert!(
+        draco.contains("requires KHR_draco_mesh_compression") && draco.contains("gltf-transform"),
+        "{draco}"
+    );
+    assert!(error(json!({ "asset": { "version": "1.0" } })).contains("not version 2"));
+    assert!(read(&json!({ "scenes": [] })).unwrap_err().to_string().contains("has no \"asset\""));
+    let error = read_bytes("m.gltf", b"{\n \"asset\": }").unwrap_err().to_string();
+    assert!(error.contains("m.gltf:2:") && error.contains("not a whole JSON document"), "{error}");
+    assert!(read(&with(square(), json!({ "extensionsRequired": ["KHR_materials_variants"] }))).is_ok());
+}
+
+fn material(material: Value) -> Object {
+    let mut document = square();
+    document["materials"] = json!([material]);
+    document["meshes"][0]["primitives"][0]["material"] = json!(0);
+    document["images"] = json!([{ "uri": "data:image/png;base64,iVBORw0KGgo=" }]);
+    document["samplers"] = json!([{ "wrapS": 33071, "magFilter": 9728 }]);
+    document["textures"] = json!([{ "source": 0, "sampler": 0 }]);
+    read(&document).unwrap()
+}
+
+#[test]
+fn materials_become_principled_ones() {
+    let object = material(json!({
+        "name": "paint",
+        "pbrMetallicRoughness": { "baseColorFactor": [0.5, 0.25, 1, 0.5], "metallicFactor": 0.75, "roughnessFactor": 0.25 },
+        "emissiveFactor": [1, 0.5, 0],
+        "alphaMode": "BLEND",
+        "extensions": {
+            "KHR_materials_emissive_strength": { "emissiveStrength": 4 },
+            "KHR_materials_ior": { "ior": 1.25 },
+            "KHR_materials_transmission": { "transmissionFactor": 0.5 },
+            "KHR_materials_clearcoat": { "clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.125 },
+            "KHR_materials_sheen": { "sheenColorFactor": [0.25, 0.5, 0], "sheenRoughnessFactor": 0.75 },
+            "KHR_materials_specular": { "specularFactor": 0.5 },
+        },
+    }));
+    let spec = &object.materials[0];
+    let Bsdf::Principled(principled) = &spec.model else { panic!("principled") };
+    let look = principled.look();
+    assert_eq!((spec.name.as_str(), spec.opacity, spec.emission), ("paint", 0.5, Rgb::new(4.0, 2.0, 0.0)));
+    assert_eq!((look.base_color, look.metallic, look.roughness), (Rgb::new(0.5, 0.25, 1.0), 0.75, 0.25));
+    assert_eq!((look.ior, look.transmission, look.coat, look.coat_roughness), (1.25, 0.5, 1.0, 0.125));
+    assert_eq!((look.sheen, look.sheen_roughness, look.specular), (0.5, 0.75, 0.25));
+    let plain = material(json!({}));
+    let Bsdf::Principled(principled) = &plain.materials[0].model else { panic!("principled") };
+    assert_eq!(
+        (principled.look().metallic, principled.look().roughness),
+        (1.0, 1.0),
+        "the format's defaults"
+    );
+    assert_eq!(plain.materials[0].name, "material 0");
+    assert_eq!(read(&square()).unwrap().materials[0].model.name(), "diffuse", "no material is clay");
+}
+
+#[test]
+fn textures_keep_their_channels_and_places() {
+    let transform = json!({ "KHR_texture_transform": { "offset": [0.25, 0.5], "scale": [2, 4] } });
+    let object = material(json!({
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [0.5, 1, 1, 1],
+            "baseColorTexture": { "index": 0, "extensions": transform },
+            "metallicRoughnessTexture": { "index": 0 },
+            "roughnessFactor": 0.5,
+        },
+        "normalTexture": { "index": 0, "scale": 2 },
+        "emissiveTexture": { "index": 0, "texCoord": 1 },
+        "emissiveFactor": [1, 1, 1],
+        "alphaMode": "MASK",
+        "alphaCutoff": 0.25,
+    }));
+    let maps = &object.materials[0].maps;
+    let map = |slot: Slot| &maps.iter().find(|map| map.slot == slot).expect("a map").mapping;
+    let base = map(Slot::Parameter(Parameter::BaseColor));
+    assert_eq!((base.gain, base.transfer, base.wrap), (Rgb::new(0.5, 1.0, 1.0), Transfer::Srgb, Wrap::Clamp));
+    // v = 0.5 + 4 (1 − w), so w' = 1 − v = 4 w − 3.5.
+    assert_eq!((base.scale, base.offset), ([2.0, 4.0], [0.25, -3.5]));
+    let roughness = map(Slot::Parameter(Parameter::Roughness));
+    assert_eq!((roughness.channel, roughness.gain.x), (Some(Channel::Green), 0.5));
+    assert_eq!(map(Slot::Parameter(Parameter::Metallic)).channel, Some(Channel::Blue));
+    assert_eq!(map(Slot::Normal(2.0)).transfer, Transfer::Linear);
+    let alpha = map(Slot::Alpha);
+    let at = |alpha_value: f32| alpha.gain.x * alpha_value + alpha.base.x;
+    assert!(at(0.2499) <= 0.0 && at(0.25) >= 1.0, "a step at the cutoff");
+    assert_eq!(object.findings.count("texture-not-shown"), 1, "the other coordinates");
+}
+
+#[test]
+fn a_rotation_that_all_textures_share_turns_the_coordinates() {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let info = json!({ "index": 0, "extensions": { "KHR_texture_transform": { "rotation": quarter } } });
+    let object = material(json!({ "pbrMetallicRoughness": { "baseColorTexture": info } }));
+    // Vertex 1 has (1, 1) in the file; turned it is (1, −1), which is (1, 2) with v up.
+    let uv = object.mesh.uvs.as_ref().unwrap().values[1];
+    assert!((uv[0] - 1.0).abs() < 1e-6 && (uv[1] - 2.0).abs() < 1e-6, "{uv:?}");
+    assert_eq!(object.findings.count("texture-rotation-ignored"), 0);
+}
+
+#[test]
+fn cameras_and_lights_stand_where_their_nodes_do() {
+    let document = with(
+        square(),
+        json!({
+            "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }],
+            "extensions": { "KHR_lights_punctual": { "lights": [
+                { "type": "point", "intensity": 3, "color": [1, 0.5, 0] },
+                { "type": "spot", "spot": { "innerConeAngle": 0.1, "outerConeAngle": 0.2 } },
+                { "type": "directional", "intensity": 2 },
+            ] } },
+            "nodes": [
+                { "mesh": 0, "children": [1, 2, 3, 4] },
+                { "camera": 0, "translation": [0, 1, 5] },
+                { "extensions": { "KHR_lights_punctual": { "light": 0 } }, "translation": [1, 2, 3] },
+                { "extensions": { "KHR_lights_punctual": { "light": 1 } }, "rotation": [1, 0, 0, 0] },
+                { "extensions": { "KHR_lights_punctual": { "light": 2 } } },
+            ],
+        }),
+    );
+    let object = read(&document).unwrap();
+    let camera = object.camera.unwrap();
+    assert_eq!(
+        (camera.position, camera.forward, camera.up),
+        (DVec3::new(0.0, 1.0, 5.0), -DVec3::Z, DVec3::Y)
+    );
+    assert_eq!(camera.lens, Lens::Fov(0.5f64.to_degrees()));
+    let [point, spot, sun] = object.lights.as_slice() else { panic!("three lights") };
+    let position = DVec3::new(1.0, 2.0, 3.0);
+    assert_eq!(*point, LightPlan::Point { position, intensity: Rgb::new(3.0, 1.5, 0.0) });
+    let LightPlan::Spot { direction, cos_outer, cos_inner, .. } = spot else { panic!("a spot") };
+    assert_eq!((*direction, *cos_outer, *cos_inner), (DVec3::Z, libm::cos(0.2), libm::cos(0.1)));
+    assert_eq!(*sun, LightPlan::Directional { direction: -DVec3::Z, irradiance: Rgb::splat(2.0) });
+}
+
+#[test]
+fn copies_skins_and_morphs() {
+    let offsets = floats(&[0.0, 0.0, 0.0, 0.0, 0.0, 3.0]);
+    let positions = floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    let (joints, shares) = (vec![0u8, 1, 0, 0].repeat(3), floats(&[0.25, 0.75, 0.0, 0.0].repeat(3)));
+    let lift = floats(&[0.0, 0.0, 2.0].repeat(3));
+    let (buffers, views) = buffer(&[offsets, positions, joints, shares, lift]);
+    let accessor = |view: usize, kind: u32, count: usize, of: &str| json!({ "bufferView": view, "componentType": kind, "count": count, "type": of });
+    let mut document = square();
+    (document["buffers"], document["bufferViews"]) = (buffers, views);
+    document["accessors"] = json!([
+        accessor(0, 5126, 2, "VEC3"),
+        accessor(1, 5126, 3, "VEC3"),
+        accessor(2, 5121, 3, "VEC4"),
+        accessor(3, 5126, 3, "VEC4"),
+        accessor(4, 5126, 3, "VEC3"),
+    ]);
+    document["meshes"] = json!([
+        { "primitives": [{ "attributes": { "POSITION": 1 } }] },
+        { "primitives": [{ "attributes": { "POSITION": 1, "JOINTS_0": 2, "WEIGHTS_0": 3 } }] },
+        { "primitives": [{ "attributes": { "POSITION": 1 }, "targets": [{ "POSITION": 4 }] }], "weights": [0.5] },
+    ]);
+    document["skins"] = json!([{ "joints": [1, 2] }]);
+    let copies = json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 0 } } });
+    let heights = |nodes: Value| {
+        let mut document = document.clone();
+        document["nodes"] = nodes;
+        document["scenes"] = json!([{ "nodes": [0, 1, 2] }]);
+        let object = read(&document).unwrap();
+        corners(&object).iter().map(|t| f64::from(t[0][2]) + object.origin.z).collect::<Vec<f64>>()
+    };
+    assert_eq!(heights(json!([{ "mesh": 0, "extensions": copies }, {}, {}])), [0.0, 3.0]);
+    let joints = |z: f64| json!({ "translation": [0, 0, z] });
+    assert_eq!(
+        heights(json!([{ "mesh": 1, "skin": 0, "scale": [9, 9, 9] }, joints(4.0), joints(8.0)])),
+        [7.0]
+    );
+    assert_eq!(heights(json!([{ "mesh": 2 }, {}, {}])), [1.0]);
+}
