@@ -129,6 +129,15 @@ pub(crate) fn read(file: &Path, reading: &Reading<'_>) -> Result<Object> {
     (format.read)(input, reading)
 }
 
+/// What the reader of its format makes of a file with that name and content.
+#[cfg(test)]
+pub(crate) fn read_bytes(name: &str, bytes: &[u8]) -> Result<Object> {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    let file = folder.path().join(name);
+    std::fs::write(&file, bytes).expect("written");
+    read(&file, &Reading::new(&|_| true))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -171,13 +180,4 @@ mod tests {
             assert_eq!(found, [name]);
         }
     }
-}
-
-/// What the reader of its format makes of a file with that name and content.
-#[cfg(test)]
-pub(crate) fn read_bytes(name: &str, bytes: &[u8]) -> Result<Object> {
-    let folder = tempfile::TempDir::new().expect("a folder");
-    let file = folder.path().join(name);
-    std::fs::write(&file, bytes).expect("written");
-    read(&file, &Reading::new(&|_| true))
 }

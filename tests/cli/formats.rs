@@ -237,7 +237,8 @@ fn the_format_can_be_stated_and_a_wrong_one_is_refused() {
     };
     drt(dir, &words(&["scan.dat", "--format", "ply"])).expect(0, &[]);
     drt(dir, &words(&["scan.dat"])).expect(1, &["scan.dat", ".dat", "known: gltf, glb, ply, stl, obj, toml"]);
-    drt(dir, &words(&["scan.dat", "--format", "stl"])).expect(1, &["scan.dat", "no renderable faces"]);
+    drt(dir, &words(&["scan.dat", "--format", "gltf"]))
+        .expect(1, &["scan.dat:1:1:", "not a whole JSON document"]);
     drt(dir, &words(&["scan.dat", "--format", "plyy"])).expect(2, &["--format", "did you mean \"ply\"?"]);
     drt(dir, &words(&["scan.dat", "--max-unpacked", "much"])).expect(2, &["--max-unpacked"]);
     drt(dir, &words(&["s.toml"])).expect(1, &["s.toml:2:8:", "standard input"]);
@@ -324,7 +325,7 @@ fn a14_a18_damaged_files_of_every_format_are_safe() {
     ] {
         let file = folder.path().join(name);
         let (mut read, mut refused) = (0, 0);
-        for round in 0..1000 {
+        for round in 0..400 {
             let mut damaged = bytes.clone();
             if round % 4 == 0 {
                 damaged.truncate(below(bytes.len()));
@@ -350,6 +351,6 @@ fn a14_a18_damaged_files_of_every_format_are_safe() {
                 }
             }
         }
-        assert!(refused > 100 && read > 100, "{name}: {read} read, {refused} refused");
+        assert!(refused > 40 && read > 40, "{name}: {read} read, {refused} refused");
     }
 }

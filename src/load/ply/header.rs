@@ -76,6 +76,8 @@ pub(super) struct Header {
     pub elements: Vec<Element>,
     /// The pictures that comments name, as MeshLab writes them, with their lines.
     pub textures: Vec<(u64, String)>,
+    /// The first line that says nothing a header can say.
+    pub unknown: Option<u64>,
     /// How many lines it has.
     pub lines: u64,
 }
@@ -87,8 +89,13 @@ impl Header {
     /// By line, what is no header.
     pub fn read(from: &mut impl BufRead, file: &Path) -> Result<Header> {
         let mut lines = Lines { from, left: MOST_BYTES, ending: None };
-        let mut header =
-            Header { encoding: Encoding::Ascii, elements: Vec::new(), textures: Vec::new(), lines: 0 };
+        let mut header = Header {
+            encoding: Encoding::Ascii,
+            elements: Vec::new(),
+            textures: Vec::new(),
+            unknown: None,
+            lines: 0,
+        };
         let mut format = None;
         loop {
             header.lines += 1;
@@ -125,7 +132,8 @@ impl Header {
                     element.ok_or_else(|| at("a property before any element"))?.properties.push(property);
                 }
                 ["end_header"] => break,
-                _ => return Err(at("no statement of a PLY header").advise("is it really a PLY file?")),
+                // Some exporters write remarks without the word.
+                _ => header.unknown = header.unknown.or(Some(header.lines)),
             }
         }
         let missing = || Error::new("the header states no format").at(file).advise(KNOWN_FORMATS);

@@ -15,7 +15,7 @@ use super::input::Input;
 use super::obj::builder::{Builder, Corner};
 use super::object::Object;
 use super::texture::of_picture;
-use crate::error::{Findings, Result};
+use crate::error::{Findings, Result, Severity};
 use crate::shape::NO_INDEX;
 use header::{Header, Property};
 use rows::Reader;
@@ -49,6 +49,10 @@ fn read(input: Input<'_>, reading: &Reading<'_>) -> Result<Object> {
         layout: Layout::of(&header),
         corners: Vec::new(),
     };
+    if let Some(line) = header.unknown {
+        let message = "a line that no PLY header has was ignored".to_string();
+        reader.note("unknown-statement", Severity::Note, line, message);
+    }
     reader.name_textures(&header)?;
     for element in &header.elements {
         if !reader.element(element)? {

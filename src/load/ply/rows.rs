@@ -74,7 +74,8 @@ impl<R: Read> Reader<'_, R> {
         Ok(true)
     }
 
-    fn note(&mut self, kind: &'static str, severity: Severity, line: u64, message: String) {
+    /// Adds a finding.
+    pub fn note(&mut self, kind: &'static str, severity: Severity, line: u64, message: String) {
         self.findings.push(Finding { file: self.file.to_path_buf(), line, kind, message, severity });
     }
 
@@ -291,7 +292,7 @@ impl Strip {
         self.length += 1;
         // Strips are joined by triangles that have a vertex twice.
         let is_triangle = self.length >= 3 && a != b && b != vertex && a != vertex;
-        let turned = self.length % 2 == 0;
+        let turned = self.length.is_multiple_of(2);
         is_triangle.then_some(if turned { [b, a, vertex] } else { [a, b, vertex] })
     }
 }

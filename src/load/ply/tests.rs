@@ -17,8 +17,9 @@ fn corners(object: &Object) -> Vec<[[f32; 3]; 3]> {
 
 #[test]
 fn polygons_are_split_and_every_number_is_used() {
-    let object = read(SQUARE, "0 0 0\n1 0 0\n1 1 0\n0 1.5e0 0\n4 0 1 2 3\n").unwrap();
-    assert_eq!(object.counts.faces, 1);
+    let remarked = SQUARE.replace("element face", "Created by hand\nelement face");
+    let object = read(&remarked, "0 0 0\n1 0 0\n1 1 0\n0 1.5e0 0\n4 0 1 2 3\n").unwrap();
+    assert_eq!((object.counts.faces, object.findings.count("unknown-statement")), (1, 1));
     assert_eq!(object.mesh.positions[3], [0.0, 1.5, 0.0]);
     assert_eq!(corners(&object).len(), 2);
     assert!(object.mesh.normals.is_none() && object.mesh.uvs.is_none());
@@ -47,9 +48,9 @@ fn bytes_in_both_orders_are_the_numbers_of_the_text() {
         )*};
     }
     both!(2u16, 1.5f64, 2.5f64, -3i8, 0u16, 7i8, 9u8, 3u8, 0u16, 1u16, 2u16, 9u8, 3u8, 0u16, 2u16, 3u16);
-    for (z, x, y) in [(0.25, 0.0, 0), (0.5, 1.0, 0), (0.125, 1.0, 1), (-1.0, 0.0, 1)] {
+    for (z, x, y) in [(0.25f64, 0.0, 0), (0.5, 1.0, 0), (0.125, 1.0, 1), (-1.0, 0.0, 1)] {
         text += &format!("{z} 0 {x} {y} 0 1 {x} 0.5\n");
-        both!(z as f64, 0f32, x as f32, y as i16, 0f32, 1f32, x as f32, 0.5f32);
+        both!(z, 0f32, x as f32, y as i16, 0f32, 1f32, x as f32, 0.5f32);
     }
     let text = read_bytes("m.ply", text.as_bytes()).unwrap();
     assert_eq!(&text.mesh.positions[..2], [[0.0, 0.0, 0.25], [1.0, 0.0, 0.5]]);
@@ -117,7 +118,7 @@ fn what_is_no_ply_says_where() {
         ("ply\nformat ascii 1.0\nelement v 1\nproperty list float int x\n", ":4: the length of a list"),
         ("ply\nformat middle_endian 1.0\n", ":2: an unknown format; known: ascii"),
         ("ply\nelement v 1\nend_header\n", "the header states no format"),
-        ("ply\nhello\n", ":2: no statement of a PLY header"),
+        ("ply\nhello\n", ":3: the header has no end"),
         ("plx\n", ":1: it does not begin"),
     ] {
         let error = read_bytes("m.ply", text.as_bytes()).unwrap_err().to_string();
