@@ -10,7 +10,7 @@
 //! image files ◀──output── Image ◀──film── pixels ◀──render── Integrator (waves of paths)
 //! ```
 //!
-//! `math, error ◀ quadrature, shape ◀ accel, texture ◀ {bsdf, light, camera, sampler, film} ◀ scene ◀ load ◀ integrator ◀ render ◀ cli`
+//! `math, error ◀ quadrature, shape ◀ accel, texture ◀ {bsdf, light, camera, sampler, film} ◀ scene ◀ load ◀ integrator ◀ render ◀ cli`; `output ◀ checkpoint ◀ render`
 //!
 //! | to find … | open |
 //! |---|---|
@@ -24,6 +24,7 @@
 //! | how OBJ, MTL and scene files are read | [`load`] |
 //! | what is wrong with a mesh file | [`check`]: counts, topology, materials, findings |
 //! | what a picture file holds | [`output`], which sees only [`film::Image`] |
+//! | how a render goes on after an interruption | [`checkpoint`] |
 //! | how far two pictures are apart | [`compare`]: MSE, relMSE, PSNR, FLIP |
 //! | the notes' rules of integration over [0, D], and over the hemisphere | [`quadrature`] |
 //! | the notes' distRtShade | [`integrator`], `distribution.rs`; the rules for a pixel's points are in [`film::rule`] |
@@ -75,10 +76,13 @@ pub mod scene;
 
 pub mod load;
 
-pub mod integrator;
-pub mod render;
-
 pub mod output;
+
+pub mod integrator;
+
+pub mod checkpoint;
+
+pub mod render;
 
 pub mod compare;
 

@@ -186,6 +186,9 @@ pub struct RenderArgs {
     #[arg(long, value_name = "SIZE", help_heading = "Machine", allow_hyphen_values = true)]
     pub max_texture_bytes: Option<String>,
 
+    #[command(flatten)]
+    pub checkpoint: super::checkpoint::CheckpointArgs,
+
     /// Write what was counted and timed as JSON; `-`: to standard output
     #[arg(long, value_name = "FILE", help_heading = "Messages")]
     pub stats: Option<PathBuf>,

@@ -42,6 +42,7 @@ pub fn run(args: &CheckArgs) -> Result<(), Failure> {
     let against = args.against.as_deref().map(against).transpose()?;
     let opening = args.opening.opening()?;
     let signals = Signals::listen()?;
+    signals.nothing_to_lose("checking");
     let threads = machine::threads();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| Error::new(format!("cannot start {threads} threads: {e}")))?;

@@ -1,6 +1,8 @@
 //! `drt compare A B`: how far two pictures are apart.
 
+use super::Failure;
 use super::console::write_stdout;
+use super::signals::Signals;
 use clap::Args;
 use drt::compare::{self, Comparison, flip::Kind};
 use drt::error::Result;
@@ -30,16 +32,22 @@ pub struct CompareArgs {
 /// Compares, prints the figures, writes the difference.
 ///
 /// # Errors
-/// A picture that cannot be read or written, or two that cannot be compared.
-pub fn run(args: &CompareArgs) -> Result<()> {
+/// A picture that cannot be read or written, or two that cannot be compared; a signal.
+pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     if let Some(path) = &args.output {
         output::check_path(path)?;
     }
+    let signals = Signals::listen()?;
+    signals.nothing_to_lose("comparing");
     let (a, b) = (picture::read(&args.a)?, picture::read(&args.b)?);
     // A picture made for a display has no range beyond it: one of them is enough to compare as a display would show.
     let both_linear = a.encoding == Encoding::Linear && b.encoding == Encoding::Linear;
     let kind = if both_linear { Kind::Hdr } else { Kind::Ldr };
     let comparison = compare::compare(&a.image, &b.image, kind).map_err(|e| e.at(&args.a))?;
+    if let Some((signal, name)) = signals.received() {
+        let message = format!("stopped by {name} while comparing; nothing was written");
+        return Err(Failure::Stopped { signal, message });
+    }
 
     if let Some(path) = &args.output {
         let difference = compare::difference(&a.image, &b.image, &comparison);
@@ -48,7 +56,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     // With `-o -` standard output carries the picture.
     match &args.output {
         Some(path) if path.as_os_str() == "-" && !args.json => Ok(()),
-        _ => write_stdout(&if args.json { as_json(&comparison) } else { as_text(&comparison) }),
+        _ => Ok(write_stdout(&if args.json { as_json(&comparison) } else { as_text(&comparison) })?),
     }
 }
 

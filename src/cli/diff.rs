@@ -115,11 +115,13 @@ impl Job {
             let report = self.replay(&reproducer, &self.contestants)?;
             return self.conclude(&report, &reproducer.meshes, None);
         }
+        self.signals.nothing_to_lose("loading");
         let mut loaded = self.load().map_err(|e| self.ended_early("loading", e))?;
+        self.signals.something_to_lose();
         self.console.findings(&loaded.findings);
         let report_file = self.args.output.as_ref().map(|folder| folder.join("report.json"));
         let outputs: Vec<PathBuf> = report_file.into_iter().collect();
-        paths::check_inputs(&outputs, None, loaded.files.iter().map(PathBuf::as_path))?;
+        paths::check_inputs(&outputs, &[], loaded.files.iter().map(PathBuf::as_path))?;
         let instances = loaded.scene.instances.places.len();
         if instances > 0 {
             self.console.say(&format!(

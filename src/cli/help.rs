@@ -41,6 +41,8 @@ EXAMPLES
       36 pictures from all around; --frames 0..47 for a scene that moves
   zcat scan.ply.gz | drt - -o scan.png
       a mesh from standard input; .obj, .ply, .stl, .gltf and .glb, also in .gz and .zst (docs/formats.md)
+  drt kitchen.toml --spp 4096 -o night.exr --checkpoint night.checkpoint --resume
+      a long render: after Ctrl-C, a kill or a power cut the same command goes on, with the same bytes in the end
   drt check scan.obj
       what is in the file and what is wrong with it; --json for programs, --strict to fail on warnings
   drt converge scenes/cornell-box.toml -o cornell.svg

@@ -2,6 +2,7 @@
 
 mod args;
 mod check;
+mod checkpoint;
 mod compare;
 mod console;
 mod converge;
@@ -84,7 +85,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         Some(Command::Render(render)) => render::run(*render),
         Some(Command::Check(check)) => check::run(&check),
-        Some(Command::Compare(compare)) => Ok(compare::run(&compare)?),
+        Some(Command::Compare(compare)) => compare::run(&compare),
         Some(Command::Converge(converge)) => converge::run(*converge),
         Some(Command::DiffBackends(diff)) => diff::run(diff),
         None => render::run(cli.render),

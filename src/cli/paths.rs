@@ -25,18 +25,18 @@ fn stem(input: &Path) -> std::ffi::OsString {
     stem.file_stem().unwrap_or("picture".as_ref()).to_os_string()
 }
 
-/// Checks that all of it can be written, to different places.
+/// Checks that all of it can be written, to different places. `checkpoint` has its own check besides.
 ///
 /// # Errors
 /// A place that cannot be written, or one named twice.
-pub fn check(outputs: &[PathBuf], stats: Option<&Path>) -> Result<()> {
+pub fn check(outputs: &[PathBuf], stats: Option<&Path>, checkpoint: Option<&Path>) -> Result<()> {
     for output in outputs {
         output::check_path(output)?;
     }
     if let Some(stats) = stats {
         output::check_writable(stats)?;
     }
-    check_distinct(&outputs.iter().map(PathBuf::as_path).chain(stats).collect::<Vec<_>>())
+    check_distinct(&outputs.iter().map(PathBuf::as_path).chain(stats).chain(checkpoint).collect::<Vec<_>>())
 }
 
 /// [`check`] for files that are no pictures.
@@ -61,16 +61,17 @@ fn check_distinct(all: &[&Path]) -> Result<()> {
     Ok(())
 }
 
-/// Refuses to write over what is read.
+/// Refuses to write over what is read. `others`: files besides the outputs that are written.
 ///
 /// # Errors
 /// An output that is one of `inputs`.
 pub fn check_inputs<'p>(
     outputs: &[PathBuf],
-    stats: Option<&Path>,
+    others: &[Option<&Path>],
     inputs: impl Iterator<Item = &'p Path>,
 ) -> Result<()> {
-    let all: Vec<&Path> = outputs.iter().map(PathBuf::as_path).chain(stats).collect();
+    let others = others.iter().copied().flatten();
+    let all: Vec<&Path> = outputs.iter().map(PathBuf::as_path).chain(others).collect();
     // Standard input and standard output share a name and nothing else.
     for input in inputs.filter(|input| *input != Path::new(drt::load::STDIN)) {
         if let Some(output) = all.iter().find(|output| is_same(output, input)) {

@@ -6,6 +6,7 @@ pub use series::SeriesArgs;
 
 use super::Failure;
 use super::args::RenderArgs;
+use super::checkpoint::{Kept, file_of};
 use super::console::{Console, Verbosity, summary};
 use super::machine;
 use super::paths;
@@ -19,7 +20,7 @@ use drt::load::sky::SkySource;
 use drt::load::{self, Loaded};
 use drt::math::isa::Isa;
 use drt::output::{self, ToneMap};
-use drt::render::{self, Hooks, Progress, RenderStats, Rendering};
+use drt::render::{self, Hooks, Keep, Progress, RenderStats, Rendering};
 use drt::scene::Settings;
 use series::Series;
 use std::path::PathBuf;
@@ -34,6 +35,7 @@ struct Job {
     threads: usize,
     focus: Option<[u32; 2]>,
     series: Option<Series>,
+    kept: Option<Kept>,
     style: Style,
     console: Console,
 }
@@ -41,10 +43,13 @@ struct Job {
 /// Runs the subcommand.
 pub fn run(args: RenderArgs) -> Result<(), Failure> {
     let clock = Clock::start();
-    let job = Job::new(args)?;
+    let mut job = Job::new(args)?;
     let signals = Signals::listen()?;
-    paths::check(&job.outputs, job.args.stats.as_deref())?;
-    paths::check_inputs(&job.outputs, job.args.stats.as_deref(), [job.input.as_path()].into_iter())?;
+    paths::check(&job.outputs, job.args.stats.as_deref(), file_of(job.kept.as_ref()))?;
+    job.check_inputs(&job.outputs, [job.input.as_path()].into_iter())?;
+    if let Some(kept) = &mut job.kept {
+        kept.open(job.console)?;
+    }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(job.threads).build();
     let pool = pool.map_err(|e| Error::new(format!("cannot start {} threads: {e}", job.threads)))?;
     pool.install(|| job.work(&signals, clock))
@@ -63,10 +68,12 @@ impl Job {
         let style = args.progress.as_deref().map_or(Ok(Style::Auto), Style::from_name)?;
         let exposure = args.exposure.as_deref().map_or(Ok(0.0), exposure)?;
         let tone_map = args.tone_map.as_deref().map_or(Ok(ToneMap::default()), tone_map)?;
-        let series = Series::new(&args.series, &args.output, &input)?;
+        let series = Series::new(&args.series, args.checkpoint.resume, &args.output, &input)?;
         let one = || paths::outputs(&args.output, &input);
+        let outputs = series.as_ref().map_or_else(one, Series::first_outputs);
         Ok(Job {
-            outputs: series.as_ref().map_or_else(one, Series::first_outputs),
+            kept: Kept::new(&args.checkpoint, &outputs, series.is_some())?,
+            outputs,
             series,
             display: output::Options { exposure, tone_map },
             isa: args.isa.as_deref().map(|word| at_flag("--isa", Isa::from_name(word))).transpose()?,
@@ -88,6 +95,7 @@ impl Job {
             },
             None => Failure::Error(error),
         };
+        signals.nothing_to_lose("loading");
         let mut loaded = self.load(signals).map_err(|e| ended_early("loading", e))?;
         self.judge(&loaded)?;
         let seconds = clock.end("load");
@@ -102,7 +110,12 @@ impl Job {
         let needed = machine::prediction(scene.triangles(), settings);
         console.detail(&format!("building and rendering take about {}", machine::megabytes(needed)));
         machine::check_memory(needed)?;
+        if let Some(kept) = &self.kept {
+            kept.adopt(&loaded.scene, &mut loaded.settings, console)?;
+        }
+        let (scene, settings) = (&loaded.scene, &loaded.settings);
 
+        signals.nothing_to_lose("building");
         let phase = Phase::begin(self.style, "build");
         let progress = |p| {
             if let Progress::Build(share) = p {
@@ -131,19 +144,28 @@ impl Job {
             return self.render_series(series, &mut loaded, &mut *accel, signals, clock);
         }
         let (scene, settings) = (&loaded.scene, &loaded.settings);
+        signals.nothing_to_lose("rendering");
         let phase = Phase::begin(self.style, "render");
         let progress = |p| {
             if let Progress::Render(done, total) = p {
+                signals.something_to_lose();
                 phase.show(done, total)
             }
         };
         let hooks = Hooks { progress: &progress, stop: &|| signals.stop() };
-        let rendering = render::render(scene, settings, &*accel, self.isa, &hooks)?;
+        let render =
+            |keep: Option<&Keep<'_>>| render::render_kept(scene, settings, &*accel, self.isa, &hooks, keep);
+        let rendering = match &self.kept {
+            Some(kept) => kept.keep(console, |keep| render(Some(keep))),
+            None => render(None),
+        };
+        signals.something_to_lose();
+        let rendering = rendering.map_err(|e| ended_early("rendering", e))?;
         drop(phase);
         let seconds = clock.end("render");
         let rays = rendering.stats.camera_rays + rendering.stats.bounce_rays + rendering.stats.shadow_rays;
         console.detail(&format!("traced {rays} rays in {}", duration(seconds)));
-        if rendering.stats.camera_rays == 0 {
+        if rendering.samples == 0.0 {
             // Not one sample: an empty picture would be a lie.
             let nothing = Error::new("nothing was rendered");
             return if rendering.complete {
@@ -153,9 +175,7 @@ impl Job {
             };
         }
 
-        for path in &self.outputs {
-            output::write(path, &rendering.image, &self.display)?;
-        }
+        self.write(&rendering)?;
         clock.end("write");
         self.report(&loaded, &*accel, &rendering.stats, rendering.complete, &clock)?;
         self.conclude(&rendering, settings.spp, signals, &clock)
@@ -185,6 +205,32 @@ impl Job {
             clock,
         };
         report.write(path)
+    }
+
+    /// Writes every output, each for itself: where one cannot be written, the others are.
+    fn write(&self, rendering: &Rendering) -> Result<()> {
+        let mut failed = Ok(());
+        let mut written = Vec::new();
+        for path in &self.outputs {
+            match output::write(path, &rendering.image, &self.display) {
+                Ok(()) => written.push(show_path(path)),
+                Err(e) => failed = failed.and(Err(e)),
+            }
+        }
+        failed.map_err(|e| match (written.as_slice(), &self.kept) {
+            ([], None) => e,
+            ([], Some(_)) => e.advise("what was rendered is in the checkpoint, and --resume writes it"),
+            (written, _) => e.advise(format!("{} was written", written.join(", "))),
+        })
+    }
+
+    fn check_inputs<'p>(
+        &self,
+        outputs: &[PathBuf],
+        inputs: impl Iterator<Item = &'p std::path::Path>,
+    ) -> Result<()> {
+        let others = [self.args.stats.as_deref(), file_of(self.kept.as_ref())];
+        paths::check_inputs(outputs, &others, inputs)
     }
 
     fn load(&self, signals: &Signals) -> Result<Loaded> {
@@ -227,7 +273,7 @@ impl Job {
         let findings = &loaded.findings;
         let inputs = loaded.files.iter().map(PathBuf::as_path);
         let outputs = self.series.as_ref().map_or_else(|| self.outputs.clone(), Series::all_outputs);
-        paths::check_inputs(&outputs, self.args.stats.as_deref(), inputs)?;
+        self.check_inputs(&outputs, inputs)?;
         if self.args.strict && findings.at_least(Severity::Warning) > 0 {
             return Err(strict_error(findings));
         }
@@ -264,10 +310,12 @@ impl Job {
             return Ok(());
         }
         let (signal, name) = signals.received().unwrap_or((signal_hook::consts::SIGINT, "SIGINT"));
-        let pixels = u64::from(rendering.image.width) * u64::from(rendering.image.height);
-        let done = rendering.stats.camera_rays as f64 / pixels.max(1) as f64;
-        let message =
+        let done = rendering.samples;
+        let mut message =
             format!("stopped by {name} after about {done:.1} of {spp} samples a pixel; those are in {names}");
+        if let Some(kept) = &self.kept {
+            message += &format!("; --resume goes on from {}", show_path(&kept.file));
+        }
         Err(Failure::Stopped { signal, message })
     }
 }

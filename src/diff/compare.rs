@@ -38,7 +38,8 @@ pub fn run(
         sets.extend(rays::record(scene, settings, &*accel, most, hooks.stop)?.into_iter().flatten());
     }
     (hooks.progress)(0.1);
-    sets.extend(aimed::KINDS.map(|kind| aimed::rays(scene, kind, most, settings.seed)));
+    let kinds = aimed::KINDS.into_iter().take_while(|_| !(hooks.stop)());
+    sets.extend(kinds.map(|kind| aimed::rays(scene, kind, most, settings.seed)));
     let later = Hooks { progress: &|share| (hooks.progress)(0.1 + 0.9 * share), stop: hooks.stop };
     ask(&scene.meshes, &sets, &contestants.iter().collect::<Vec<_>>(), &later)
 }
@@ -73,9 +74,14 @@ pub fn ask(
                 report.complete = false;
                 break;
             }
-            let traced = Traced::of(&*accel, set);
+            let traced = Traced::of(&*accel, set, hooks.stop);
             let pair = [first.get(i).unwrap_or(&traced), &traced];
-            let compared = compare(&court, set, pair, index, contestant.counts);
+            let compared = compare(&court, set, pair, (index, contestant.counts), hooks.stop);
+            if (hooks.stop)() {
+                // Some of these rays were not asked about.
+                report.complete = false;
+                break;
+            }
             outcome.tallies.push(compared.tally);
             report.add_cases(compared.cases);
             if index == 0 {
@@ -115,14 +121,18 @@ struct Traced {
 }
 
 impl Traced {
-    /// Asks both questions of all rays, and takes the time of the one that a render would ask.
-    fn of(accel: &dyn Intersector, set: &RaySet) -> Traced {
+    /// Asks both questions of all rays, and takes the time of the one that a render would ask. Once `stop` says so,
+    /// the rest is left out.
+    fn of(accel: &dyn Intersector, set: &RaySet, stop: &(dyn Fn() -> bool + Sync)) -> Traced {
         let coherence = set.coherence();
         let begun = Instant::now();
-        let hits = set.chunks.par_iter().map(|chunk| closest(accel, chunk, coherence)).collect();
+        let hits = |chunk| if stop() { Hits::default() } else { closest(accel, chunk, coherence) };
+        let hits = set.chunks.par_iter().map(hits).collect();
         let closest_seconds = begun.elapsed().as_secs_f64();
         let begun = Instant::now();
-        let ask = |chunk: &Chunk| accel.occluded(chunk.rays.check(chunk.mask), coherence);
+        let ask = |chunk: &Chunk| {
+            if stop() { 0 } else { accel.occluded(chunk.rays.check(chunk.mask), coherence) }
+        };
         let blocked = set.chunks.par_iter().map(ask).collect();
         let blocked_seconds = begun.elapsed().as_secs_f64();
         let seconds = if set.kind == Kind::Shadow { blocked_seconds } else { closest_seconds };
@@ -146,11 +156,14 @@ fn compare(
     court: &Court,
     set: &RaySet,
     [first, second]: [&Traced; 2],
-    index: usize,
-    counts: bool,
+    (index, counts): (usize, bool),
+    stop: &(dyn Fn() -> bool + Sync),
 ) -> Compared {
     let chunk = |i: usize| {
         let mut own = Compared { tally: Tally::new(set.kind, 0.0), cases: Vec::new() };
+        if stop() {
+            return own;
+        }
         for lane in (0..LANES).filter(|&lane| set.chunks[i].mask >> lane & 1 == 1) {
             let hits = [first, second].map(|t| Answer::of(&t.hits[i], lane));
             let blocked = [first, second].map(|t| t.blocked[i] >> lane & 1 == 1);

@@ -1,4 +1,11 @@
 //! Per-pixel sums, kept by tile so that threads never share a pixel.
+//!
+//! Who traces a tile works on a copy of its own ([`Film::copy`], [`Film::put`]): what is in the film is always whole
+//! blocks of samples, whoever looks and whenever a thread is stopped.
+
+mod saved;
+
+pub use saved::Saved;
 
 use super::{Channel, Data, Image};
 use crate::error::{Error, Result, unknown_word_advice};
@@ -91,13 +98,38 @@ struct Layers {
 }
 
 /// The sums of one tile of [`Film::TILE`]² pixels.
-#[derive(Clone, Debug)]
+#[derive(Debug, Default)]
 pub struct Tile {
     pixels: Vec<Pixel>,
     layers: Vec<Layers>,
 }
 
 impl Tile {
+    /// Samples that each of its pixels has.
+    pub fn samples(&self) -> u32 {
+        // The first one of every tile is inside the picture.
+        self.pixels.first().map_or(0, |pixel| pixel.samples)
+    }
+
+    /// An empty tile; `None` where there is no memory for it.
+    fn new(layers: bool) -> Option<Tile> {
+        let pixels = (Film::TILE * Film::TILE) as usize;
+        let mut tile = Tile::default();
+        tile.pixels.try_reserve_exact(pixels).ok()?;
+        tile.pixels.resize(pixels, Pixel { radiance: [0.0; 3], weight: 0.0, samples: 0 });
+        if layers {
+            tile.layers.try_reserve_exact(pixels).ok()?;
+            tile.layers.resize(pixels, Layers { hits: 0, sums: [0.0; 12], ids: [u32::MAX; 3] });
+        }
+        Some(tile)
+    }
+
+    /// Becomes what `other` is, in the memory that it has.
+    fn become_as(&mut self, other: &Tile) {
+        self.pixels.clone_from(&other.pixels);
+        self.layers.clone_from(&other.layers);
+    }
+
     /// Adds a sample's radiance with the filter's weight (mean 1) to the pixel of that index in the tile
     /// (row by row).
     #[inline]
@@ -142,13 +174,32 @@ pub struct Develop<'a> {
     pub settings: String,
 }
 
+/// What the film holds of a tile.
+#[derive(Debug)]
+struct Place {
+    now: Tile,
+    /// What it was before a last block that was cut short by the number of samples; empty where that is not kept.
+    before: Tile,
+}
+
 /// All tiles of a picture.
 #[derive(Debug)]
 pub struct Film {
     size: [u32; 2],
     tiles: [u32; 2],
-    store: Vec<Mutex<Tile>>,
+    store: Vec<Mutex<Place>>,
     signed: bool,
+}
+
+/// What a film is for.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmUse {
+    /// Room for layers.
+    pub layers: bool,
+    /// Weights may be negative.
+    pub signed: bool,
+    /// What tiles were before their last block is kept, see [`Film::put`].
+    pub keeps: bool,
 }
 
 impl Film {
@@ -156,29 +207,22 @@ impl Film {
     /// depend on.
     pub const TILE: u32 = 8;
 
-    /// An empty film of `size` pixels with room for layers where `layers` says so. `signed`: weights may be
-    /// negative.
+    /// An empty film of `size` pixels.
     ///
     /// # Errors
     /// Not enough memory.
-    pub fn new(size: [u32; 2], layers: bool, signed: bool) -> Result<Film> {
+    pub fn new(size: [u32; 2], of: FilmUse) -> Result<Film> {
         let tiles = size.map(|s| s.div_ceil(Self::TILE));
         let count = tiles[0] as usize * tiles[1] as usize;
-        let pixels = (Self::TILE * Self::TILE) as usize;
         let mut store = Vec::new();
         let none = || Error::new(format!("not enough memory for a picture of {}×{}", size[0], size[1]));
         store.try_reserve_exact(count).map_err(|_| none())?;
         for _ in 0..count {
-            let mut tile = Tile { pixels: Vec::new(), layers: Vec::new() };
-            tile.pixels.try_reserve_exact(pixels).map_err(|_| none())?;
-            tile.pixels.resize(pixels, Pixel { radiance: [0.0; 3], weight: 0.0, samples: 0 });
-            if layers {
-                tile.layers.try_reserve_exact(pixels).map_err(|_| none())?;
-                tile.layers.resize(pixels, Layers { hits: 0, sums: [0.0; 12], ids: [u32::MAX; 3] });
-            }
-            store.push(Mutex::new(tile));
+            let now = Tile::new(of.layers).ok_or_else(none)?;
+            let before = if of.keeps { Tile::new(of.layers).ok_or_else(none)? } else { Tile::default() };
+            store.push(Mutex::new(Place { now, before }));
         }
-        Ok(Film { size, tiles, store, signed })
+        Ok(Film { size, tiles, store, signed: of.signed })
     }
 
     /// Number of tiles along x and y.
@@ -186,10 +230,30 @@ impl Film {
         self.tiles
     }
 
-    /// Runs `f` on a tile (row by row).
-    pub fn with_tile<R>(&self, tile: usize, f: impl FnOnce(&mut Tile) -> R) -> R {
-        // A panic elsewhere cannot leave a sum half added, so a poisoned lock is still good.
+    fn with<R>(&self, tile: usize, f: impl FnOnce(&mut Place) -> R) -> R {
+        // A panic elsewhere cannot leave a tile half copied, so a poisoned lock is still good.
         f(&mut self.store[tile].lock().unwrap_or_else(|poisoned| poisoned.into_inner()))
+    }
+
+    /// Samples that each pixel of a tile has.
+    pub fn samples_of(&self, tile: usize) -> u32 {
+        self.with(tile, |place| place.now.samples())
+    }
+
+    /// Copies a tile (counted row by row) to work on it.
+    pub fn copy(&self, tile: usize, into: &mut Tile) {
+        self.with(tile, |place| into.become_as(&place.now));
+    }
+
+    /// Puts a tile back with a block of samples more. `last`: the block was cut short, so that who wants more samples
+    /// later has to trace it again; what the tile was is kept if the film was made for that.
+    pub fn put(&self, tile: usize, new: &Tile, last: bool) {
+        self.with(tile, |place| {
+            if last && !place.before.pixels.is_empty() {
+                std::mem::swap(&mut place.now, &mut place.before);
+            }
+            place.now.become_as(new);
+        });
     }
 
     /// The smallest and largest number of samples that a pixel of `crop` has.
@@ -206,7 +270,7 @@ impl Film {
             for x in x0..x0 + w {
                 let tile = (y / Self::TILE) as usize * self.tiles[0] as usize + (x / Self::TILE) as usize;
                 let pixel = ((y % Self::TILE) * Self::TILE + x % Self::TILE) as usize;
-                out.push(self.with_tile(tile, |t| value(t, pixel)));
+                out.push(self.with(tile, |place| value(&place.now, pixel)));
             }
         }
         out

@@ -60,6 +60,8 @@ pub struct Job<'a, I> {
     pub samples: Range<u32>,
     /// True when first hits go to the film's layers.
     pub layers: bool,
+    /// Asked before every step; `true` gives the wave up.
+    pub stop: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl Wave {
@@ -68,17 +70,21 @@ impl Wave {
         std::mem::take(&mut self.stats)
     }
 
-    /// Traces the wave of `job` and adds its samples to `tile`.
+    /// Traces the wave of `job` and adds its samples to `tile`. False when it was given up: the tile is of no use then.
     ///
     /// The deepest rays go first, and where a vertex sends out many a few at a time, so that what waits is at most
     /// one piece's offspring a depth.
     #[inline(always)]
-    pub fn run<I: Integrator>(&mut self, job: &Job<'_, I>, tile: &mut Tile) {
+    pub fn run<I: Integrator>(&mut self, job: &Job<'_, I>, tile: &mut Tile) -> bool {
         let mut clock = Instant::now();
         self.start(job);
         self.stats.rest_seconds += lap(&mut clock);
         let mut piece = self.next_piece(job.integrator, 0);
         while let Some(depth) = piece {
+            if (job.stop)() {
+                self.give_up();
+                return false;
+            }
             self.extend(job, depth);
             self.stats.intersect_seconds += lap(&mut clock);
             self.group(job.cx, depth);
@@ -90,6 +96,14 @@ impl Wave {
         }
         self.finish(tile);
         self.stats.rest_seconds += lap(&mut clock);
+        true
+    }
+
+    /// Forgets the rays under way.
+    fn give_up(&mut self) {
+        self.current.len = 0;
+        self.pushed.next.len = 0;
+        self.spare.extend(self.waiting.drain(..).map(|(_, lanes)| lanes));
     }
 
     /// Makes the next rays to trace the current ones: what was pushed for `depth`, or else what waits. Says how

@@ -5,6 +5,7 @@
 //! the map is bilinear; it goes round in u and stays as it is beyond the outermost rows.
 
 use crate::math::approx::{angle, sin_cos_turn};
+use crate::math::digest::Digest;
 use crate::math::distribution::GridTable;
 use crate::math::{DVec3, Rgb, Vec3, luminance};
 use rayon::prelude::*;
@@ -90,6 +91,14 @@ impl Panorama {
         let mut map = Panorama { size, texels, axes, mean: Rgb::ZERO, tables: Default::default() };
         map.mean = map.average();
         Some(map)
+    }
+
+    /// Adds the map to `digest`.
+    pub fn digest(&self, digest: &mut Digest) {
+        // The mean and the tables follow from the texels.
+        let Panorama { size, texels, axes, mean: _, tables: _ } = self;
+        digest.value(&(size, axes));
+        digest.floats(texels);
     }
 
     /// The mean radiance over the sphere.

@@ -5,6 +5,7 @@
 
 pub mod aabb;
 pub mod approx;
+pub mod digest;
 pub mod distribution;
 pub mod frame;
 pub mod isa;

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 
 use super::Format;
+use super::temporary::{Temporary, folder_of, sweep};
 
 /// As many links as Linux follows.
 const MOST_LINKS: usize = 40;
@@ -29,7 +30,7 @@ pub(super) fn is_stream(path: &Path) -> bool {
 
 /// Checks, before any work is done for it, that a picture can be written to `path`: the extension names a format,
 /// the path is no folder, its folder exists and lets files be made in it (one is made and removed), and an existing
-/// file may be written.
+/// file may be written. Temporary files that a run which was killed left there for `path` are removed.
 ///
 /// # Errors
 /// The first of these that fails, with the file and the system's reason.
@@ -66,7 +67,8 @@ fn check_regular(path: &Path, target: &Path) -> Result<()> {
         }
         Err(e) => return Err(Error::io("write", path, &e)),
     }
-    temporary_in(folder).map_err(|e| Error::io("create a file in its folder", path, &e))?;
+    sweep(target);
+    Temporary::new(target, NEW).map_err(|e| Error::io("create a file in its folder", path, &e))?;
     // Its folder would let a write-protected file be replaced; whoever protected it would not.
     if target.exists() {
         OpenOptions::new().write(true).open(target).map_err(|e| Error::io("write", path, &e))?;
@@ -100,41 +102,41 @@ fn write_stdout(bytes: &[u8]) -> io::Result<()> {
     stdout.flush()
 }
 
+/// The mode of a new file, before the umask.
+const NEW: u32 = 0o666;
+
 pub(super) fn replace(target: &Path, bytes: &[u8]) -> io::Result<()> {
-    let folder = folder_of(target);
-    let mut temporary = temporary_in(folder)?;
-    if let Ok(old) = fs::metadata(target) {
-        let mode = old.permissions().mode() & 0o777;
-        let file = temporary.as_file();
+    let mode = fs::metadata(target).ok().map(|old| old.permissions().mode() & 0o777);
+    put(target, NEW, |file| {
         // Not asked of file systems that have one mode for all files and would refuse.
-        if file.metadata()?.permissions().mode() & 0o777 != mode {
+        if let Some(mode) = mode
+            && file.metadata()?.permissions().mode() & 0o777 != mode
+        {
             file.set_permissions(fs::Permissions::from_mode(mode))?;
         }
-    }
-    temporary.as_file_mut().write_all(bytes)?;
-    temporary.as_file().sync_all()?;
-    temporary.persist(target).map_err(|e| e.error)?;
+        file.write_all(bytes)
+    })
+}
+
+/// Replaces the file `path` as [`write_bytes`] does, but by one that its user alone may read, and follows no link: one in
+/// its place is replaced itself.
+///
+/// # Errors
+/// The system's reason, with `path`.
+pub fn write_private(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
+    put(path, 0o600, write).map_err(|e| Error::io("write", path, &e))
+}
+
+/// Makes a new file of what `write` writes, syncs it and renames it over `target`.
+fn put(target: &Path, mode: u32, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+    let mut temporary = Temporary::new(target, mode)?;
+    write(temporary.file())?;
+    temporary.file().sync_all()?;
+    temporary.rename_over(target)?;
     // Past the rename the new file is whole and in place; a folder that cannot be synced only leaves open which of
     // two whole files a power cut would leave, so that is no failure.
-    let _ = File::open(folder).and_then(|f| f.sync_all());
+    let _ = File::open(folder_of(target)).and_then(|f| f.sync_all());
     Ok(())
-}
-
-/// A new file of a random name, never an existing one or a link (`O_EXCL`), with the mode that the umask leaves;
-/// removed when dropped.
-fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    tempfile::Builder::new()
-        .prefix(".drt-")
-        .suffix(".tmp")
-        .permissions(fs::Permissions::from_mode(0o666))
-        .tempfile_in(folder)
-}
-
-fn folder_of(file: &Path) -> &Path {
-    match file.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
 }
 
 fn destination(path: &Path) -> Result<Destination> {

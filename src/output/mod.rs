@@ -10,6 +10,7 @@ mod hdr;
 mod jpeg;
 mod pfm;
 mod png;
+mod temporary;
 #[cfg(test)]
 mod tests;
 

@@ -2,6 +2,7 @@
 //! pointers: a mesh's faces name materials by index.
 
 mod directions;
+mod fingerprint;
 pub mod settings;
 
 pub use directions::Directions;

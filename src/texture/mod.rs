@@ -17,6 +17,7 @@ pub use opacity::Opacity;
 pub use relief::{Relief, Shape, Tangents};
 pub use texels::{Data, Texels, Transfer};
 
+use crate::math::digest::Digest;
 use crate::math::{DVec3, Rgb, Vec2, luminance};
 use std::sync::Arc;
 use texels::Decoder;
@@ -125,6 +126,22 @@ impl Texture {
     /// How it is laid over the surface.
     pub fn mapping(&self) -> &Mapping {
         &self.mapping
+    }
+
+    /// Adds all that it shows to `digest`, with `of` for each of its pictures.
+    pub fn digest(&self, digest: &mut Digest, of: &mut dyn FnMut(&Arc<Texels>) -> [u8; 32]) {
+        // Which table decodes follows from the mapping and the pictures.
+        let Texture { pictures, mapping, decoder: _, absent } = self;
+        digest.value(&(mapping, absent));
+        match pictures {
+            Pictures::One(texels) => digest.bytes(&of(texels)),
+            Pictures::Tiles(tiles) => {
+                for (number, texels) in tiles.iter() {
+                    digest.value(number);
+                    digest.bytes(&of(texels));
+                }
+            }
+        }
     }
 
     /// The first of its pictures.

@@ -1,6 +1,7 @@
 //! A picture's texels, as compact as its file: 8-bit codes stay bytes until they are looked up.
 
 use crate::error::{Error, Result};
+use crate::math::digest::Digest;
 use crate::math::srgb::srgb_to_linear;
 use std::sync::LazyLock;
 
@@ -58,6 +59,26 @@ impl Texels {
     #[inline]
     pub fn size(&self) -> [u32; 2] {
         [self.width, self.height]
+    }
+
+    /// Adds all of it to `digest`.
+    pub fn digest(&self, digest: &mut Digest) {
+        let Texels { width, height, channels, data, has_alpha: _ } = self;
+        digest.value(&(width, height, channels));
+        match data {
+            Data::U8(values) => {
+                digest.value(&"u8");
+                digest.bytes(values);
+            }
+            Data::U16(values) => {
+                digest.value(&"u16");
+                digest.values(values, u16::to_le_bytes);
+            }
+            Data::F32(values) => {
+                digest.value(&"f32");
+                digest.values(values, f32::to_le_bytes);
+            }
+        }
     }
 
     /// How texels are stored.

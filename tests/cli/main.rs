@@ -9,6 +9,7 @@ mod guide;
 mod mistakes;
 mod pictures;
 mod readme;
+mod resume;
 mod rows_command;
 mod rows_files;
 mod rows_numbers;

@@ -63,8 +63,9 @@ fn c2_every_flag_refuses_nonsense_and_names_itself() {
                 "{word}: {}",
                 ended.err
             );
-            // Any name may be that of a statistics file.
-            if MEANT.contains(&(flag.as_str(), value)) || (flag == "--stats" && !value.is_empty()) {
+            // Any name may be that of a file of statistics or of progress.
+            let is_name = ["--stats", "--checkpoint"].contains(&flag.as_str()) && !value.is_empty();
+            if MEANT.contains(&(flag.as_str(), value)) || is_name {
                 ended.expect(0, &[]);
             } else if flag == "--output" && !value.is_empty() {
                 // A name without a known extension is a file that cannot be written.

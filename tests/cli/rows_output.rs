@@ -93,12 +93,12 @@ fn endless(dir: &Path, input: &str, engine: &[&str]) -> (Child, BufReader<std::p
     (child, err)
 }
 
-fn send(child: &Child, signal: rustix::process::Signal) {
+pub fn send(child: &Child, signal: rustix::process::Signal) {
     rustix::process::kill_process(rustix::process::Pid::from_child(child), signal).unwrap();
 }
 
 /// Reads what the program says until it has begun `phase`.
-fn wait_for(err: &mut impl BufRead, phase: &str) -> String {
+pub fn wait_for(err: &mut impl BufRead, phase: &str) -> String {
     let mut said = String::new();
     while !said.contains(&format!("\"phase\":\"{phase}\"")) {
         assert!(err.read_line(&mut said).unwrap() > 0, "{said}");

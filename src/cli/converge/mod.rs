@@ -120,7 +120,7 @@ impl Job {
         }
         paths::check_files(&job.args.output)?;
         let inputs = [Some(job.args.input.as_path()), job.args.reference.as_deref()];
-        paths::check_inputs(&job.args.output, None, inputs.into_iter().flatten())?;
+        paths::check_inputs(&job.args.output, &[], inputs.into_iter().flatten())?;
         Ok(job)
     }
 

@@ -23,10 +23,11 @@ impl Job {
             },
             None => Failure::Error(error),
         };
+        self.signals.nothing_to_lose("preparing the study");
         let truth = self.args.reference.as_deref().map(truth).transpose()?;
         let mut loaded = self.load().map_err(|e| ended_early("loading", e))?;
         self.console.findings(&loaded.findings);
-        paths::check_inputs(&self.args.output, None, loaded.files.iter().map(PathBuf::as_path))?;
+        paths::check_inputs(&self.args.output, &[], loaded.files.iter().map(PathBuf::as_path))?;
         self.set_size(&mut loaded, truth.as_ref())?;
         if let Some(doubt) = truth.as_ref().and_then(|truth| self.doubt(truth, &loaded)) {
             self.console.say(&format!("warning: --reference {doubt}"));
@@ -51,6 +52,7 @@ impl Job {
             Some(truth) => truth.reference,
             None => self.reference(&stage).map_err(|e| ended_early("making the reference", e))?,
         };
+        self.signals.something_to_lose();
         Ok(self.study(&rules, stage.labels(&name, self.subject), reference)?)
     }
 

@@ -37,10 +37,6 @@ pub struct SeriesArgs {
         allow_hyphen_values = true
     )]
     pub frames: Option<String>,
-
-    /// Leave out the pictures of a series that are whole already and were made with the same settings
-    #[arg(long, help_heading = "Series")]
-    pub resume: bool,
 }
 
 /// A series that is asked for.
@@ -60,11 +56,17 @@ enum Kind {
 }
 
 impl Series {
-    /// What the words say; `None` where one picture is asked for. `asked`: the names after -o.
+    /// What the words say; `None` where one picture is asked for. `resume`: pictures that are whole already and were made
+    /// with the same settings are left out. `asked`: the names after -o.
     ///
     /// # Errors
     /// Numbers that are none; names without a place for the number.
-    pub fn new(args: &SeriesArgs, asked: &[PathBuf], input: &Path) -> Result<Option<Series>> {
+    pub fn new(
+        args: &SeriesArgs,
+        resume: bool,
+        asked: &[PathBuf],
+        input: &Path,
+    ) -> Result<Option<Series>> {
         let (kind, first, last) = match (&args.turntable, &args.frames) {
             (Some(word), _) => {
                 let count = word.parse().ok().filter(|n| (1..=MOST).contains(n)).ok_or_else(|| {
@@ -77,10 +79,6 @@ impl Series {
             (None, Some(word)) => {
                 let (first, last) = range(word)?;
                 (Kind::Frames, first, last)
-            }
-            (None, None) if args.resume => {
-                return Err(Error::usage("--resume: there is no series to go on with")
-                    .advise("it goes with --turntable or --frames"));
             }
             (None, None) => return Ok(None),
         };
@@ -100,7 +98,7 @@ impl Series {
                 .advise("e.g. -o frame-####.png"));
             }
         }
-        Ok(Some(Series { kind, first, last, patterns, resume: args.resume }))
+        Ok(Some(Series { kind, first, last, patterns, resume }))
     }
 
     /// The files of one picture.

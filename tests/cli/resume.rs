@@ -1,0 +1,239 @@
+//! Rows D5 and D6 through the program: `--checkpoint`, `--resume`, killed and stopped renders, more samples.
+
+use super::universal::engines;
+use super::{drt, folder, names};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+/// All formats that hold all of it, of a picture with layers whose tiles do not fit its size.
+const OUTPUTS: [&str; 4] = ["-o", "x.exr", "-o", "x.png"];
+const PICTURE: [&str; 6] = ["--size", "45x29", "--aov", "depth,normal,ids", "--seed", "7"];
+
+fn words<'w>(parts: &[&[&'w str]]) -> Vec<&'w str> {
+    parts.concat()
+}
+
+/// The bytes of both pictures, which are removed.
+fn take(dir: &Path) -> [Vec<u8>; 2] {
+    ["x.exr", "x.png"].map(|name| {
+        let bytes = fs::read(dir.join(name)).unwrap();
+        drt::load::picture::read(&dir.join(name)).unwrap();
+        fs::remove_file(dir.join(name)).unwrap();
+        bytes
+    })
+}
+
+/// Pseudo-random milliseconds below `most`, a different one for every `i`.
+fn some(i: u64, most: u64) -> Duration {
+    let mixed = (i + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    Duration::from_millis((mixed >> 33) % most)
+}
+
+/// Killed at any time and started again, as often as it takes: the same bytes as never stopped, nothing else left.
+#[test]
+fn d5_killed_at_any_time_the_same_bytes_come_out() {
+    let folder = folder();
+    let dir = folder.path();
+    let kills = if std::env::var_os("DRT_HEAVY_TESTS").is_some() { 200 } else { 10 };
+    let engines: Vec<[&str; 4]> = engines().collect();
+    let mut killed = 0;
+    let mut round = 0;
+    while killed < kills {
+        let engine = engines[round % engines.len()];
+        // A whole number of blocks, and one that cuts the last one short.
+        let spp = ["64", "100"][round / engines.len() % 2];
+        let job = words(&[&["t.obj", "--ground"], &PICTURE, &["--spp", spp], &OUTPUTS, &engine[..2]]);
+        drt(dir, &job).expect(0, &[]);
+        let whole = take(dir);
+        let kept = ["--checkpoint", "c", "--every", "20ms", "--resume"];
+        loop {
+            let mut command = Command::new(assert_cmd::cargo::cargo_bin("drt"));
+            command.args(&job).args(kept).args(&engine[2..]).current_dir(dir).stderr(Stdio::null());
+            let mut child = command.spawn().unwrap();
+            std::thread::sleep(some(killed, 400));
+            let _ = child.kill();
+            let ended = child.wait().unwrap();
+            if ended.success() {
+                break;
+            }
+            killed += 1;
+            let left: Vec<String> = names(dir).into_iter().filter(|n| n.starts_with(".drt-")).collect();
+            assert_eq!(left, Vec::<String>::new(), "a temporary file is left");
+            for name in ["x.exr", "x.png"] {
+                if dir.join(name).exists() {
+                    drt::load::picture::read(&dir.join(name)).unwrap();
+                }
+            }
+            if dir.join("c").exists() {
+                drt::checkpoint::read(&fs::read(dir.join("c")).unwrap()).unwrap();
+            }
+        }
+        assert!(take(dir) == whole, "round {round}: {engine:?}, {spp} samples");
+        fs::remove_file(dir.join("c")).unwrap();
+        round += 1;
+    }
+}
+
+/// Stopped by a signal, on other threads, in the middle of a crop: the same bytes.
+#[test]
+fn d5_a_stopped_crop_goes_on_with_other_threads() {
+    let folder = folder();
+    let dir = folder.path();
+    let job = words(&[&["s.toml", "--crop", "3,5,30,17", "--spp", "40"], &PICTURE, &OUTPUTS]);
+    drt(dir, &job).expect(0, &[]);
+    let whole = take(dir);
+    for threads in ["1", "2", "8"] {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin("drt"));
+        let kept = ["--resume", "--threads", threads, "--progress", "json"];
+        let mut child =
+            command.args(&job).args(kept).current_dir(dir).stderr(Stdio::piped()).spawn().unwrap();
+        let mut err = std::io::BufReader::new(child.stderr.take().unwrap());
+        super::rows_output::wait_for(&mut err, "render");
+        super::rows_output::send(&child, rustix::process::Signal::INT);
+        let _ = std::io::copy(&mut err, &mut std::io::sink());
+        assert!(matches!(child.wait().unwrap().code(), Some(0 | 130)));
+    }
+    drt(dir, &words(&[&job, &["--resume"]])).expect(0, &[]);
+    assert!(take(dir) == whole);
+    // The default name, and the picture stays extensible.
+    assert_eq!(names(dir), ["s.toml", "t.obj", "x.exr.checkpoint"]);
+}
+
+/// More samples for a finished picture: the bytes of a render with all of them at once.
+#[test]
+fn a_finished_picture_can_get_more_samples() {
+    let folder = folder();
+    let dir = folder.path();
+    for backend in drt::accel::Backend::ALL.iter().map(|b| b.name()) {
+        let base = words(&[&["t.obj", "--ground", "--backend", backend], &PICTURE, &OUTPUTS]);
+        for (first, then) in [("16", "64"), ("20", "50"), ("3", "33"), ("1", "5")] {
+            drt(dir, &words(&[&base, &["--spp", then]])).expect(0, &[]);
+            let whole = take(dir);
+            let kept = ["--checkpoint", "c", "--resume", "--spp"];
+            drt(dir, &words(&[&base, &kept, &[first]])).expect(0, &[]);
+            take(dir);
+            drt(dir, &words(&[&base, &kept, &[then]])).expect(0, &[]);
+            assert!(take(dir) == whole, "{backend}: {first} and then {then}");
+            // Nothing is left to trace, and the same pictures are written.
+            drt(dir, &words(&[&base, &kept, &[then]])).expect(0, &[]);
+            assert!(take(dir) == whole);
+            fs::remove_file(dir.join("c")).unwrap();
+        }
+    }
+}
+
+/// Points that depend on their number are no beginning of more points.
+#[test]
+fn what_depends_on_the_number_of_samples_is_not_extended() {
+    let folder = folder();
+    let dir = folder.path();
+    let rule = |rule: &str, n: u32| format!("film.rule={{ type = \"{rule}\", grid = [{n}, {n}] }}");
+    let base = ["s.toml", "-o", "x.exr", "--checkpoint", "c", "--resume"];
+    for name in ["uniform", "uniform-corner", "stratified", "nonuniform"] {
+        drt(dir, &words(&[&base, &["--set", &rule(name, 2)]])).expect(0, &[]);
+        drt(dir, &words(&[&base, &["--set", &rule(name, 4)]])).expect(1, &["c: ", "film.rule"]);
+        fs::remove_file(dir.join("c")).unwrap();
+    }
+    let stratified = ["--sampler", "stratified", "--spp"];
+    drt(dir, &words(&[&base, &stratified, &["4"]])).expect(0, &[]);
+    drt(dir, &words(&[&base, &stratified, &["16"]])).expect(1, &["stratified sampler", "was 4", "--spp 4"]);
+    drt(dir, &words(&[&base, &stratified, &["4"]])).expect(0, &[]);
+    fs::remove_file(dir.join("c")).unwrap();
+    drt(dir, &words(&[&base, &["--spp", "16"]])).expect(0, &[]);
+    drt(dir, &words(&[&base, &["--spp", "5"]])).expect(1, &["c: ", "16 samples a pixel already", "--spp 16"]);
+}
+
+#[test]
+fn d6_another_renders_checkpoint_is_refused_with_the_reason() {
+    let folder = folder();
+    let dir = folder.path();
+    let base = ["s.toml", "-o", "x.exr", "--checkpoint", "c"];
+    drt(dir, &base).expect(0, &[]);
+    let mesh = fs::read_to_string(dir.join("t.obj")).unwrap();
+    let kept = fs::read(dir.join("c")).unwrap();
+    let resumed = words(&[&base, &["--resume"]]);
+    let table: &[(&[&str], &str)] = &[
+        (&["--seed", "1"], "render.seed = 0, and now it is 1"),
+        (&["--size", "17x12"], "film.size = [16,12], and now it is [17,12]"),
+        (&["--max-depth", "3"], "render.max_depth"),
+        (&["--crop", "0,0,8,8"], "film.crop"),
+        (&["--aov", "depth"], "film.aov"),
+        (&["--sampler", "random"], "render.sampler"),
+        (&["--set", "film.filter=gaussian"], "film.filter"),
+        (&["--set", "render.build=high"], "render.build"),
+        (&["--set", "light.0.radiance=2"], "lights"),
+        (&["--set", "camera.fov=30"], "camera"),
+        (&["--ground"], "a scene with other"),
+    ];
+    for (change, reason) in table {
+        drt(dir, &words(&[&resumed, change])).expect(1, &["c: the checkpoint", reason]);
+    }
+    if drt::accel::Backend::ALL.len() > 1 {
+        drt(dir, &words(&[&resumed, &["--backend", "bvh"]])).expect(1, &["render.backend = embree"]);
+    }
+    fs::write(dir.join("t.obj"), mesh.replace("v 0 0 1", "v 0 0 1.0000001")).unwrap();
+    drt(dir, &resumed).expect(1, &["a scene with other meshes"]);
+    // The same scene in other words, in another place, is the same scene.
+    fs::create_dir(dir.join("other")).unwrap();
+    fs::write(dir.join("other/u.obj"), format!("# moved\n{mesh}")).unwrap();
+    let scene = fs::read_to_string(dir.join("s.toml")).unwrap().replace("t.obj", "other/u.obj");
+    fs::write(dir.join("s.toml"), scene).unwrap();
+    drt(dir, &resumed).expect(0, &[]);
+    fs::write(dir.join("c"), &kept[..kept.len() - 1]).unwrap();
+    drt(dir, &resumed).expect(1, &["c: the checkpoint is damaged"]);
+    fs::write(dir.join("c"), "something of mine").unwrap();
+    for words in [&resumed[..], &base[..]] {
+        drt(dir, words).expect(1, &["c: is no checkpoint"]);
+    }
+    assert_eq!(fs::read(dir.join("c")).unwrap(), b"something of mine");
+}
+
+/// The words, the places, and what is said.
+#[test]
+fn checkpoints_as_users_meet_them() {
+    let folder = folder();
+    let dir = folder.path();
+    drt(dir, &["t.obj", "--every", "5s"]).expect(2, &["--every", "--checkpoint"]);
+    drt(dir, &["t.obj", "--checkpoint", "c", "--every", "soon"]).expect(2, &["--every", "60s"]);
+    drt(dir, &["t.obj", "--resume", "-o", "/dev/null"]).expect(2, &["--resume", "--checkpoint"]);
+    drt(dir, &["t.obj", "--checkpoint", "t.obj"]).expect(1, &["t.obj"]);
+    drt(dir, &["t.obj", "--checkpoint", "x.png", "-o", "x.png"]).expect(2, &["named twice"]);
+    drt(dir, &["t.obj", "--checkpoint", "no/c"]).expect(1, &["no/c", "does not exist"]);
+    fs::write(dir.join("victim"), "precious").unwrap();
+    std::os::unix::fs::symlink("victim", dir.join("link")).unwrap();
+    drt(dir, &["t.obj", "--checkpoint", "link"]).expect(1, &["link", "symbolic link"]);
+    assert_eq!(fs::read(dir.join("victim")).unwrap(), b"precious");
+    for name in ["link", "victim"] {
+        fs::remove_file(dir.join(name)).unwrap();
+    }
+    assert_eq!(names(dir), ["s.toml", "t.obj"]);
+    let base = ["s.toml", "-o", "x.png", "--checkpoint", "c"];
+    drt(dir, &base).expect(0, &[]);
+    let again = drt(dir, &base);
+    again.expect(0, &[]);
+    assert!(again.err.contains("--resume goes on from"), "{}", again.err);
+    let resumed = drt(dir, &words(&[&base, &["--resume"]]));
+    resumed.expect(0, &[]);
+    assert!(resumed.err.contains("c: has 2 of 2 samples a pixel"), "{}", resumed.err);
+}
+
+/// A full disk under the checkpoint is no reason to stop: it is said, and the picture is finished.
+#[test]
+fn d2_a_checkpoint_that_cannot_be_written_stops_nothing() {
+    let folder = folder();
+    let dir = folder.path();
+    let base = ["s.toml", "--spp", "16", "-o", "x.png", "--checkpoint", "c"];
+    drt(dir, &base).expect(0, &[]);
+    let (kept, picture) = (fs::read(dir.join("c")).unwrap(), fs::read(dir.join("x.png")).unwrap());
+    // The picture fits below the limit on file sizes (4 or 8 KiB), the checkpoint does not.
+    let limited = words(&[&base, &["--seed", "3"]]);
+    let ended = super::universal::Run::new(dir, &limited).limits("ulimit -f 8").check();
+    ended.expect(0, &[]);
+    assert!(ended.err.contains("warning: c: cannot write: File too large"), "{}", ended.err);
+    assert!(fs::read(dir.join("c")).unwrap() == kept, "the old checkpoint is as it was");
+    assert!(fs::read(dir.join("x.png")).unwrap() != picture);
+    drt(dir, &words(&[&base, &["--resume"]])).expect(0, &[]);
+    assert!(fs::read(dir.join("x.png")).unwrap() == picture);
+}
