@@ -73,11 +73,11 @@ impl Temporary {
                 with_free_name(target, link)?.0
             }
         };
-        let renamed = sys::rename(&name, target);
+        let renamed = fs::rename(&name, target);
         if renamed.is_err() {
             self.name = Some(name);
         }
-        Ok(renamed?)
+        renamed
     }
 }
 

@@ -53,9 +53,15 @@ fn d2_no_space_left_keeps_the_old_file() {
 /// Lets the k-th call of every kind that writing needs fail, for the first few k.
 fn each_failing_call(dir: &Path) {
     let program = assert_cmd::cargo::cargo_bin("drt");
-    for (call, error) in
-        [("write", "ENOSPC"), ("write", "EIO"), ("fsync", "EIO"), ("rename", "ENOSPC"), ("fchmod", "EIO")]
-    {
+    let calls = [
+        ("write", "ENOSPC"),
+        ("write", "EIO"),
+        ("fsync", "EIO"),
+        ("linkat", "ENOSPC"),
+        ("rename", "ENOSPC"),
+        ("fchmod", "EIO"),
+    ];
+    for (call, error) in calls {
         for k in 1..=3 {
             fs::write(dir.join("z.exr"), "old").unwrap();
             fs::set_permissions(dir.join("z.exr"), fs::Permissions::from_mode(0o600)).unwrap();
@@ -73,6 +79,8 @@ fn each_failing_call(dir: &Path) {
             }
             assert!(matches!(output.status.code(), Some(0 | 1)), "{inject}: {err}");
             let bytes = fs::read(dir.join("z.exr")).unwrap();
+            // A fault that does not happen proves nothing: every output is renamed, by this very call.
+            assert!((call, k) != ("rename", 1) || output.status.code() == Some(1), "{inject} did not happen");
             if output.status.code() == Some(1) {
                 assert_eq!(bytes, b"old", "{inject}: {err}");
             } else {
