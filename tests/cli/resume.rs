@@ -173,7 +173,8 @@ fn d6_another_renders_checkpoint_is_refused_with_the_reason() {
     if drt::accel::Backend::ALL.len() > 1 {
         drt(dir, &words(&[&resumed, &["--backend", "bvh"]])).expect(1, &["render.backend = embree"]);
     }
-    fs::write(dir.join("t.obj"), mesh.replace("v 0 0 1", "v 0 0 1.0000001")).unwrap();
+    // A face turned over moves no camera that frames the mesh.
+    fs::write(dir.join("t.obj"), mesh.replace("f 1 3 2", "f 1 2 3")).unwrap();
     drt(dir, &resumed).expect(1, &["a scene with other meshes"]);
     // The same scene in other words, in another place, is the same scene.
     fs::create_dir(dir.join("other")).unwrap();
