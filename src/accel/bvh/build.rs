@@ -49,6 +49,20 @@ pub struct Built {
     pub nodes: Vec<Node>,
     /// Blocks.
     pub blocks: Vec<Block>,
+    /// In how many leaves a triangle is on average: more than 1 where space was split.
+    pub leaves_of_one: f64,
+}
+
+impl Built {
+    /// What there is over no triangles.
+    pub fn empty() -> Built {
+        Built { nodes: Vec::new(), blocks: Vec::new(), leaves_of_one: 1.0 }
+    }
+
+    /// Bytes of nodes and blocks.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])
+    }
 }
 
 /// Builds the tree over `meshes`.
@@ -68,8 +82,9 @@ pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Built> 
     let mut refs = references(meshes, total, extra)?;
     let progress = Progress::new(refs.len(), options);
     if refs.is_empty() {
-        return progress.report(0).map(|()| Built { nodes: Vec::new(), blocks: Vec::new() });
+        return progress.report(0).map(|()| Built::empty());
     }
+    let triangles = refs.len();
     let mut whole = Group::around(&refs, 0);
     whole.room += extra;
     refs.resize(whole.room, Bounds::EMPTY);
@@ -80,7 +95,8 @@ pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Built> 
     let joined = Part::join(tree)?;
     let blocks = fill_blocks(meshes, |i| ids[i], &joined.spans)?;
     builder.progress.report(0)?;
-    Ok(Built { nodes: joined.nodes, blocks })
+    let in_leaves: usize = joined.spans.iter().map(|(_, len)| *len as usize).sum();
+    Ok(Built { nodes: joined.nodes, blocks, leaves_of_one: in_leaves as f64 / triangles as f64 })
 }
 
 /// Boxes of all triangles with area, with mesh and triangle id as the owner's words, and room for

@@ -147,7 +147,7 @@ impl BinaryTree {
             };
             part.nodes[at].set(slot, &node.bounds, child);
         }
-        part.nodes[at].largest_first();
+        part.nodes[at].largest_last();
         Child::node(at)
     }
 

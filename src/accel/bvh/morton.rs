@@ -122,7 +122,7 @@ pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Built> 
     let progress = Progress::new(keys.len(), options);
     progress.report(0)?;
     if keys.is_empty() {
-        return Ok(Built { nodes: Vec::new(), blocks: Vec::new() });
+        return Ok(Built::empty());
     }
     let builder = Builder { triangles, progress };
     let tree = builder.grow(&mut keys, 0, 0)?;
@@ -131,7 +131,7 @@ pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Built> 
     drop((keys, spans));
     fit(&mut nodes, &blocks)?;
     builder.progress.report(0)?;
-    Ok(Built { nodes, blocks })
+    Ok(Built { nodes, blocks, leaves_of_one: 1.0 })
 }
 
 /// The keys of all triangles with area, in order.

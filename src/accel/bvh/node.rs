@@ -132,9 +132,9 @@ impl Node {
         self.children[slot] = child;
     }
 
-    /// Sorts the children by their surface, so that a ray that looks for any hit first tries the one in which it most likely
-    /// finds it.
-    pub fn largest_first(&mut self) {
+    /// Sorts the children by their surface, the largest last: a ray that looks for any hit takes them from a stack, and so
+    /// first tries the one in which it most likely finds it.
+    pub fn largest_last(&mut self) {
         let before = *self;
         let extent =
             |slot: usize, k: usize| (before.planes[k][1][slot] - before.planes[k][0][slot]).max(0.0) as f64;
@@ -144,7 +144,8 @@ impl Node {
         };
         let mut order: [usize; WIDTH] = std::array::from_fn(|slot| slot);
         let areas: [f64; WIDTH] = std::array::from_fn(area);
-        order.sort_by(|&a, &b| areas[b].total_cmp(&areas[a]));
+        let is_none = |slot: usize| before.children[slot] == Child::NONE;
+        order.sort_by(|&a, &b| is_none(a).cmp(&is_none(b)).then(areas[a].total_cmp(&areas[b])));
         for (slot, from) in order.into_iter().enumerate() {
             for k in 0..3 {
                 for side in 0..2 {

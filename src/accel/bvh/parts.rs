@@ -111,7 +111,7 @@ impl Part {
                     let child = self.append(child);
                     self.nodes[index].set(slot, &bounds, child);
                 }
-                self.nodes[index].largest_first();
+                self.nodes[index].largest_last();
                 Child::node(index)
             }
         }

@@ -86,17 +86,21 @@ fn walk_all(
         id: u64::MAX,
         place: Place::default(),
     };
+    let mut live = rays.live;
     if !in_turns {
-        for_lanes(rays.live, |i| {
+        // No closure here: it would be a function of its own, and so without the instruction set.
+        while live != 0 {
+            let i = live.trailing_zeros() as usize % LANES;
+            live &= live - 1;
             let (mut walk, stack) = (start(i), &mut stacks.0[i].entries);
             while steps.step(&mut walk, stack, i) {}
             end(i, &walk);
-        });
+        }
         return;
     }
     let mut walks = [start(0); LANES];
     let (mut lanes, mut len) = ([0u8; LANES], 0);
-    for_lanes(rays.live, |i| {
+    for_lanes(live, |i| {
         walks[i] = start(i);
         lanes[len % LANES] = i as u8;
         len += 1;
@@ -194,8 +198,9 @@ impl<S: Set> Steps for ToAny<'_, S> {
             let node = &tree.nodes[walk.child.index()];
             let (_, mut met) = enter::<S>(node, self.rays, i, walk.t);
             if met != 0 {
-                let first = met.trailing_zeros() as usize % WIDTH;
-                met &= met - 1;
+                // The children are in the order of their surface: the largest now, the next largest when it is done.
+                let largest = (31 - met.leading_zeros()) as usize % WIDTH;
+                met ^= 1 << largest;
                 while met != 0 {
                     let slot = met.trailing_zeros() as usize % WIDTH;
                     met &= met - 1;
@@ -204,7 +209,7 @@ impl<S: Set> Steps for ToAny<'_, S> {
                     stack[walk.top % STACK] = child.bits() as u64;
                     walk.top += 1;
                 }
-                walk.child = node.children[first];
+                walk.child = node.children[largest];
                 tree.fetch(walk.child);
                 return true;
             }

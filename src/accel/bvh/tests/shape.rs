@@ -129,7 +129,9 @@ fn boxes_cover_their_triangles_in_every_quality() {
         let sound = mesh.indices.iter().enumerate();
         let sound = sound.filter(|(t, _)| crate::accel::brute::has_area(mesh.triangle(*t))).count();
         for quality in QUALITIES {
-            let (_, references) = check_covered(&mesh, &built_as(&mesh, quality));
+            let tree = built_as(&mesh, quality);
+            let (_, references) = check_covered(&mesh, &tree);
+            assert_eq!((tree.leaves_of_one * sound as f64).round() as usize, references);
             let most = if quality == Quality::High { 2 * sound } else { sound };
             assert!((sound..=most).contains(&references), "mesh {i}, {quality:?}: {references}");
             if i == 1 && quality == Quality::High {
