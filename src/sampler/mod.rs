@@ -4,6 +4,7 @@
 //! depends on threads, tiles or order. Integrators give each decision dimensions of its own and keep to
 //! them whether or not an earlier one was used: skipping would correlate decisions silently.
 
+mod halton;
 mod random;
 mod sobol;
 mod sobol_table;
@@ -16,6 +17,8 @@ use crate::error::{Result, lookup, name_in};
 pub enum SamplerKind {
     /// Owen-scrambled Sobol points.
     Sobol,
+    /// Owen-scrambled Halton points.
+    Halton,
     /// Jittered strata, as many as there are samples in a pixel.
     Stratified,
     /// Independent random numbers.
@@ -26,6 +29,7 @@ impl SamplerKind {
     /// Name, meaning, value.
     pub const TABLE: &'static [(&'static str, &'static str, SamplerKind)] = &[
         ("sobol", "Owen-scrambled Sobol points: the least noise", SamplerKind::Sobol),
+        ("halton", "Owen-scrambled Halton points: for any number of samples, slower", SamplerKind::Halton),
         ("stratified", "jittered strata, one a sample of the pixel", SamplerKind::Stratified),
         ("random", "independent random numbers", SamplerKind::Random),
     ];
@@ -50,6 +54,32 @@ pub struct Key {
     pub index: u32,
 }
 
+/// The keys of `N` samples.
+#[derive(Clone, Copy, Debug)]
+pub struct Keys<const N: usize> {
+    /// See [`Key::pixel`].
+    pub pixel: [u32; N],
+    /// See [`Key::index`].
+    pub index: [u32; N],
+}
+
+impl<const N: usize> Keys<N> {
+    /// To be filled lane by lane.
+    pub const ZERO: Keys<N> = Keys { pixel: [0; N], index: [0; N] };
+
+    /// One lane.
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Key {
+        Key { pixel: self.pixel[lane], index: self.index[lane] }
+    }
+
+    /// Sets one lane.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, key: Key) {
+        (self.pixel[lane], self.index[lane]) = (key.pixel, key.index);
+    }
+}
+
 /// Draws numbers.
 #[derive(Clone, Debug)]
 pub struct Sampler {
@@ -61,6 +91,7 @@ pub struct Sampler {
 #[derive(Clone, Debug)]
 enum Kind {
     Sobol(&'static sobol::Sobol),
+    Halton(halton::Halton),
     Stratified(stratified::Stratified),
     Random(random::Random),
 }
@@ -70,6 +101,7 @@ impl Sampler {
     pub fn new(kind: SamplerKind, seed: u64, spp: u32) -> Sampler {
         let kind = match kind {
             SamplerKind::Sobol => Kind::Sobol(sobol::Sobol::get()),
+            SamplerKind::Halton => Kind::Halton(halton::Halton::new()),
             SamplerKind::Stratified => Kind::Stratified(stratified::Stratified::new(spp)),
             SamplerKind::Random => Kind::Random(random::Random::new(seed)),
         };
@@ -98,6 +130,7 @@ impl Sampler {
     pub fn bits(&self, key: Key, dimension: u32) -> u32 {
         match &self.kind {
             Kind::Sobol(s) => s.bits(key, dimension),
+            Kind::Halton(s) => s.bits(key, dimension),
             Kind::Stratified(s) => s.bits(key, dimension),
             Kind::Random(r) => r.bits(key, dimension),
         }
@@ -114,11 +147,53 @@ impl Sampler {
     pub fn d2(&self, key: Key, dimension: u32) -> [f32; 2] {
         let [a, b] = match &self.kind {
             Kind::Sobol(s) => s.bits2(key, dimension),
+            Kind::Halton(s) => s.bits2(key, dimension),
             Kind::Stratified(s) => s.bits2(key, dimension),
             Kind::Random(r) => r.bits2(key, dimension),
         };
         [unit(a), unit(b)]
     }
+}
+
+impl Sampler {
+    /// [`Sampler::bits`] of several samples.
+    #[inline(always)]
+    pub fn bits_of<const N: usize>(&self, keys: &Keys<N>, dimension: u32) -> [u32; N] {
+        match &self.kind {
+            Kind::Sobol(s) => s.bits_of(keys, dimension),
+            _ => std::array::from_fn(|lane| self.bits(keys.get(lane), dimension)),
+        }
+    }
+
+    /// [`Sampler::d1`] of several samples.
+    #[inline(always)]
+    pub fn d1_of<const N: usize>(&self, keys: &Keys<N>, dimension: u32) -> [f32; N] {
+        units(self.bits_of(keys, dimension))
+    }
+
+    /// [`Sampler::d2`] of several samples: the first numbers, and the second.
+    #[inline(always)]
+    pub fn d2_of<const N: usize>(&self, keys: &Keys<N>, dimension: u32) -> [[f32; N]; 2] {
+        match &self.kind {
+            Kind::Sobol(s) => s.bits2_of(keys, dimension).map(units),
+            _ => {
+                let mut all = [[0.0; N]; 2];
+                for lane in 0..N {
+                    [all[0][lane], all[1][lane]] = self.d2(keys.get(lane), dimension);
+                }
+                all
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn units<const N: usize>(bits: [u32; N]) -> [f32; N] {
+    let mut all = [0.0; N];
+    for lane in 0..N {
+        all[lane] = unit(bits[lane]);
+    }
+    all
 }
 
 /// The upper 24 bits as a number in [0, 1).

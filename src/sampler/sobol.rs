@@ -9,7 +9,7 @@
 //! shuffled by a scramble of its own (Burley 2020).
 
 use super::sobol_table::JOE_KUO;
-use super::{Key, dimension_seed, hash};
+use super::{Key, Keys, dimension_seed, hash};
 use std::sync::OnceLock;
 
 /// Dimensions with direction numbers of their own.
@@ -44,8 +44,13 @@ impl Sobol {
     #[inline(always)]
     fn point(&self, index: u32, dimension: usize) -> u32 {
         let [low, middle] = &self.low[dimension];
-        let mut x = low[(index & 15) as usize] ^ middle[(index >> 4 & 15) as usize];
-        let mut rest = index >> 8;
+        low[(index & 15) as usize] ^ middle[(index >> 4 & 15) as usize] ^ self.high(index >> 8, dimension)
+    }
+
+    /// What the index digits beyond the tables, `rest`, add.
+    #[inline(always)]
+    fn high(&self, mut rest: u32, dimension: usize) -> u32 {
+        let mut x = 0;
         while rest != 0 {
             x ^= self.columns[dimension][(rest.trailing_zeros() + 8) as usize];
             rest &= rest - 1;
@@ -71,6 +76,44 @@ impl Sobol {
         } else {
             self.padded2(key, dimension)
         }
+    }
+
+    /// [`Sobol::bits`] of several samples. Those of a wave are of one block, whose indices differ in their low digits.
+    #[inline(always)]
+    pub(super) fn bits_of<const N: usize>(&self, keys: &Keys<N>, dimension: u32) -> [u32; N] {
+        let mut bits = [0; N];
+        if dimension as usize >= DIMENSIONS {
+            for (lane, bits) in bits.iter_mut().enumerate() {
+                let seed = dimension_seed(keys.pixel[lane], dimension);
+                *bits = scramble(shuffle(keys.index[lane], seed), hash(seed)).reverse_bits();
+            }
+            return bits;
+        }
+        let block = keys.index[0] >> 8;
+        if keys.index.iter().any(|index| index >> 8 != block) {
+            return std::array::from_fn(|lane| self.bits(keys.get(lane), dimension));
+        }
+        let high = self.high(block, dimension as usize);
+        let [low, middle] = &self.low[dimension as usize];
+        for (lane, bits) in bits.iter_mut().enumerate() {
+            let index = keys.index[lane];
+            let point = low[(index & 15) as usize] ^ middle[(index >> 4 & 15) as usize] ^ high;
+            *bits = scramble(point, dimension_seed(keys.pixel[lane], dimension)).reverse_bits();
+        }
+        bits
+    }
+
+    /// [`Sobol::bits2`] of several samples.
+    #[inline(always)]
+    pub(super) fn bits2_of<const N: usize>(&self, keys: &Keys<N>, dimension: u32) -> [[u32; N]; 2] {
+        if (dimension as usize) + 1 < DIMENSIONS {
+            return [self.bits_of(keys, dimension), self.bits_of(keys, dimension + 1)];
+        }
+        let mut bits = [[0; N]; 2];
+        for lane in 0..N {
+            [bits[0][lane], bits[1][lane]] = self.padded2(keys.get(lane), dimension);
+        }
+        bits
     }
 
     #[inline(never)]

@@ -53,6 +53,33 @@ fn errors_fall_as_theory_says() {
     }
 }
 
+/// Halton points at numbers of samples that are no powers of their bases: (2, 3), (5, 7); beyond the table they are Sobol's.
+#[test]
+fn halton_points_are_better_than_random_ones() {
+    for (dimension, least) in [(0, -0.9), (2, -0.8), (200, -1.25)] {
+        let smooth = slope(SamplerKind::Halton, dimension, SMOOTH, smooth);
+        assert!(smooth < least, "dimension {dimension}: {smooth}");
+        let edge = slope(SamplerKind::Halton, dimension, EDGE, edge);
+        assert!(edge < -0.62, "dimension {dimension}: {edge}");
+    }
+}
+
+/// Any b^k consecutive points from a multiple of b^k put one into each of b^k equal intervals.
+#[test]
+fn halton_points_are_stratified_in_their_bases() {
+    let sampler = Sampler::new(SamplerKind::Halton, 11, 64);
+    for (dimension, cells) in [(0, 64u32), (1, 81), (2, 125), (3, 49), (30, 127)] {
+        for block in [0, cells, 77 * cells] {
+            let mut seen = vec![false; cells as usize];
+            for i in 0..cells {
+                let bits = u64::from(sampler.bits(sampler.key(5, block + i), dimension));
+                seen[(bits * u64::from(cells) >> 32) as usize] = true;
+            }
+            assert!(seen.iter().all(|s| *s), "dimension {dimension}, block {block}");
+        }
+    }
+}
+
 /// Every sampler is uniform: chi-square over 64 cells of each dimension and over an 8×8 grid of pairs.
 #[test]
 fn numbers_are_uniform_in_every_dimension() {
@@ -121,5 +148,29 @@ fn seeds_pixels_indices_and_dimensions_all_matter() {
             assert_ne!(base, other, "{name}");
         }
         assert_eq!(base, draw(1, 2, 3, 4), "{name}");
+    }
+}
+
+/// What batches draw is what each sample draws by itself, within one block of indices and across blocks.
+#[test]
+fn numbers_of_batches_are_those_of_their_samples() {
+    for (name, kind) in all() {
+        let sampler = Sampler::new(kind, 5, 4096);
+        for start in [0, 250, 4000] {
+            let mut keys = Keys::<16>::ZERO;
+            for lane in 0..16 {
+                keys.set(lane, sampler.key(3 + lane as u32 / 5, start + lane as u32));
+            }
+            for dimension in [0, 3, 31, 62, 63, 64, 1 << 20] {
+                let (bits, pairs) = (sampler.bits_of(&keys, dimension), sampler.d2_of(&keys, dimension));
+                let singles = sampler.d1_of(&keys, dimension);
+                for lane in 0..16 {
+                    let key = keys.get(lane);
+                    assert_eq!(bits[lane], sampler.bits(key, dimension), "{name}");
+                    assert_eq!(singles[lane], sampler.d1(key, dimension), "{name}");
+                    assert_eq!([pairs[0][lane], pairs[1][lane]], sampler.d2(key, dimension), "{name}");
+                }
+            }
+        }
     }
 }
