@@ -14,6 +14,11 @@ pub struct Diffuse {
 
 impl Scatter for Diffuse {
     #[inline(always)]
+    fn is_small() -> bool {
+        true
+    }
+
+    #[inline(always)]
     fn eval(&self, _view: &View, wi: Vec3) -> (Rgb, f32) {
         // Zero behind the surface: light does not pass.
         let pdf = cosine_hemisphere_pdf(wi.z);

@@ -66,6 +66,16 @@ pub struct View {
 /// What one vertex of a path asks of its material. Directions `wi` with `wi.z < 0` lie behind the surface:
 /// light that passes through.
 pub trait Scatter {
+    /// True of models without branches worth skipping and without tables: they are evaluated for all lanes of a batch
+    /// at once, whether in use or not.
+    #[inline(always)]
+    fn is_small() -> bool
+    where
+        Self: Sized,
+    {
+        false
+    }
+
     /// (f_cos, pdf) of the non-delta part. Zero where no light passes.
     fn eval(&self, view: &View, wi: Vec3) -> (Rgb, f32);
 

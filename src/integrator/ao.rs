@@ -1,6 +1,7 @@
 //! Ambient occlusion: the cosine-weighted share of the hemisphere over the first hit that is free.
 
-use super::{Arrival, Context, Integrator, Sink, Vertex};
+use super::wave::BatchSink;
+use super::{Arrival, Batch, Context, Integrator, Sink};
 use crate::bsdf::Scatter;
 use crate::light::End;
 use crate::math::ray::{Ray, leave};
@@ -16,14 +17,16 @@ pub struct Ao {
 
 impl Integrator for Ao {
     #[inline(always)]
-    fn vertex<B: Scatter>(&self, cx: &Context<'_>, v: &Vertex, _bsdf: &B, out: &mut impl Sink) {
-        let dimensions = cx.dimensions.at(v.arrival.depth);
-        let u = cx.sampler.d2(v.arrival.key, dimensions.bsdf);
-        let wi = v.frame.to_world(cosine_hemisphere(u));
-        if v.surface.ng.dot(wi) * v.surface.ng.dot(v.wo) > 0.0 {
-            let o = leave(v.surface.p, v.surface.error, v.surface.ng, wi);
-            out.connect(Ray { o, d: wi, tmax: self.distance }, Rgb::ONE);
-        }
+    fn vertices<B: Scatter>(&self, cx: &Context<'_>, batch: &Batch<B>, out: &mut BatchSink<'_>) {
+        let dimensions = cx.dimensions.at(batch.depth);
+        batch.each(out, |v, _, out| {
+            let u = cx.sampler.d2(v.arrival.key, dimensions.bsdf);
+            let wi = v.frame.to_world(cosine_hemisphere(u));
+            if v.surface.ng.dot(wi) * v.surface.ng.dot(v.wo) > 0.0 {
+                let o = leave(v.surface.p, v.surface.error, v.surface.ng, wi);
+                out.connect(Ray { o, d: wi, tmax: self.distance }, Rgb::ONE);
+            }
+        });
     }
 
     #[inline(always)]

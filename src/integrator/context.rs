@@ -1,6 +1,5 @@
 //! What every vertex may look at, prepared once a picture.
 
-use super::Vertex;
 use crate::bsdf::Material;
 use crate::camera::Camera;
 use crate::error::Result;
@@ -45,6 +44,8 @@ pub struct Context<'a> {
     pub has_lobes: bool,
     /// True when a material of the scene is a mixture of others.
     pub has_mixes: bool,
+    /// True when a material of the scene changes over its surface.
+    pub has_maps: bool,
     /// True when a surface of the scene has holes.
     pub has_cutouts: bool,
     /// True when an instance shines, which no light sample finds.
@@ -106,6 +107,7 @@ impl<'a> Context<'a> {
             samples_lights,
             has_lobes,
             has_mixes: scene.materials.iter().any(|m| m.mix.is_some()),
+            has_maps: scene.materials.iter().any(|m| m.maps.is_some()),
             has_cutouts,
             has_moving_lamps: has_moving_lamps(scene),
             size: settings.size,
@@ -128,10 +130,10 @@ impl<'a> Context<'a> {
         part
     }
 
-    /// False on the black side of a one-sided material.
+    /// False on the black side of a one-sided material; `outside`: on the side that `ng` points to.
     #[inline(always)]
-    pub fn scatters(&self, v: &Vertex) -> bool {
-        self.materials[v.material as usize].two_sided || v.surface.ng.dot(v.wo) > 0.0
+    pub fn scatters(&self, material: u32, outside: bool) -> bool {
+        outside || self.materials[material as usize].two_sided
     }
 }
 

@@ -9,7 +9,8 @@
 //! - The recursion runs over waves: a vertex pushes its N rays, and what they bring is added to the pixel at once,
 //!   times the product of all weights on the way.
 
-use super::{Arrival, Context, Extension, Integrator, Sink, Vertex};
+use super::wave::BatchSink;
+use super::{Arrival, Batch, Context, Extension, Integrator, Sink, Vertex};
 use super::{competing_pdf, connect, emitted, emitted_at_end};
 use crate::bsdf::Scatter;
 use crate::error::Result;
@@ -78,9 +79,21 @@ impl Integrator for Distribution {
     }
 
     #[inline(always)]
+    fn vertices<B: Scatter>(&self, cx: &Context<'_>, batch: &Batch<B>, out: &mut BatchSink<'_>) {
+        batch.each(out, |v, bsdf, out| self.vertex(cx, v, bsdf, out));
+    }
+
+    #[inline(always)]
+    fn end(&self, cx: &Context<'_>, end: End, o: Vec3, d: Vec3, arrival: &Arrival, out: &mut impl Sink) {
+        emitted_at_end(cx, end, o, d, arrival, out);
+    }
+}
+
+impl Distribution {
+    #[inline(always)]
     fn vertex<B: Scatter>(&self, cx: &Context<'_>, v: &Vertex, bsdf: &B, out: &mut impl Sink) {
         emitted(cx, v, out);
-        if v.arrival.depth >= self.max_depth || !cx.scatters(v) {
+        if v.arrival.depth >= self.max_depth || !cx.scatters(v.material, v.view.outside) {
             return;
         }
         let fan = self.fan(v.arrival.depth);
@@ -105,11 +118,6 @@ impl Integrator for Distribution {
             }
         }
     }
-
-    #[inline(always)]
-    fn end(&self, cx: &Context<'_>, end: End, o: Vec3, d: Vec3, arrival: &Arrival, out: &mut impl Sink) {
-        emitted_at_end(cx, end, o, d, arrival, out);
-    }
 }
 
 /// One term of eq. (18): ρ·(n·d_i)·Δω times what comes along d_i, which the ray will tell. A direction of
@@ -124,7 +132,7 @@ fn shade<B: Scatter>(
     out: &mut impl Sink,
 ) {
     let wi = v.frame.to_world(wi_local);
-    if !v.on_the_same_side_as(wi_local, wi) {
+    if !v.facing().on_the_same_side_as(wi_local, wi) {
         return; // the shading normal's hemisphere, but not the surface's
     }
     let (f_cos, _) = bsdf.eval(&v.view, wi_local);
@@ -158,7 +166,7 @@ impl Distribution {
         for (delta, branch) in [(first, branch), (second, scatter(branch))] {
             let Some(delta) = delta else { continue };
             let d = v.frame.to_world(delta.wi);
-            if v.on_the_same_side_as(delta.wi, d) {
+            if v.facing().on_the_same_side_as(delta.wi, d) {
                 let o = leave(v.surface.p, v.surface.error, v.surface.ng, d);
                 let beta = v.arrival.beta * delta.weight;
                 let normal = Receiver::ALL_AROUND;
@@ -200,7 +208,7 @@ impl Distribution {
         let d = v.frame.to_world(sample.wi);
         let pdf = competing_pdf(self.lights, cx.samples_lights, sample.pdf);
         // At the last depth a ray of density zero has nothing left to find.
-        if !v.on_the_same_side_as(sample.wi, d)
+        if !v.facing().on_the_same_side_as(sample.wi, d)
             || (pdf == 0.0 && depth + 1 == self.max_depth && !cx.has_moving_lamps)
         {
             return;

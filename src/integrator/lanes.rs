@@ -1,13 +1,15 @@
 //! Rays under way with what their paths carry: structure of arrays, in chunks of [`LANES`].
 
 use super::Extension;
-use crate::accel::{LANES, Mask, Rays};
-use crate::math::Rgb;
+use super::wave::Extensions;
+use crate::accel::{LANES, Mask, Rays, for_lanes};
+use crate::light::LightSamples;
 use crate::math::ray::Ray;
+use crate::math::{Rgb, Vec3s};
 
 /// What a path carries besides its ray, structure of arrays.
 #[derive(Clone, Debug)]
-pub(super) struct Paths {
+pub struct Paths {
     beta: [[f32; LANES]; 3],
     pub pdf: [f32; LANES],
     pub normal: [u32; LANES],
@@ -27,7 +29,7 @@ impl Paths {
 
 /// Rays with what they carry, in chunks; all of one depth.
 #[derive(Debug, Default)]
-pub(super) struct Lanes {
+pub struct Lanes {
     pub rays: Vec<Rays>,
     pub paths: Vec<Paths>,
     pub len: usize,
@@ -58,6 +60,54 @@ impl Lanes {
         path.pdf[lane] = next.pdf;
         path.normal[lane] = next.normal;
         path.branch[lane] = next.branch;
+    }
+
+    /// Room for one chunk more than there is.
+    #[inline(always)]
+    fn make_room(&mut self) {
+        while self.rays.len() <= self.len / LANES + 1 {
+            self.rays.push(Rays::default());
+            self.paths.push(Paths::EMPTY);
+        }
+    }
+
+    /// The rays `lanes` of `all`, in their order.
+    #[inline(always)]
+    pub fn follow_all(&mut self, lanes: Mask, all: &Extensions<'_>) {
+        self.make_room();
+        for_lanes(lanes, |from| {
+            let (chunk, lane) = (self.len / LANES, self.len % LANES);
+            self.rays[chunk].set(lane, all.o.get(from), all.d.get(from), 0.0, f32::INFINITY);
+            let path = &mut self.paths[chunk];
+            for (to, beta) in path.beta.iter_mut().zip([&all.beta.x, &all.beta.y, &all.beta.z]) {
+                to[lane] = beta[from];
+            }
+            (path.pdf[lane], path.normal[lane]) = (all.pdf[from], all.normal[from]);
+            (path.slot[lane], path.branch[lane]) = (all.slot[from], 0);
+            self.len += 1;
+        });
+    }
+
+    /// The shadow rays `lanes` of `lights`, with the radiance that they let through.
+    #[inline(always)]
+    pub fn push_all(
+        &mut self,
+        lanes: Mask,
+        lights: &LightSamples<LANES>,
+        radiance: &Vec3s<LANES>,
+        slot: &[u32; LANES],
+    ) {
+        self.make_room();
+        for_lanes(lanes, |from| {
+            let (chunk, lane) = (self.len / LANES, self.len % LANES);
+            self.rays[chunk].set(lane, lights.o.get(from), lights.d.get(from), 0.0, lights.tmax[from]);
+            let path = &mut self.paths[chunk];
+            for (to, beta) in path.beta.iter_mut().zip([&radiance.x, &radiance.y, &radiance.z]) {
+                to[lane] = beta[from];
+            }
+            path.slot[lane] = slot[from];
+            self.len += 1;
+        });
     }
 
     /// Takes the last lanes in whole chunks, at most `most` of them, leaving the rest.

@@ -1,14 +1,15 @@
 //! What light does along rays, in waves of paths.
 //!
-//! An [`Integrator`] is the mathematics of one vertex and of a ray that meets no mesh, as plain scalar
-//! functions that *push* what they find into a [`Sink`]: emitted light, shadow rays, rays to follow (0 … N).
-//! [`wave`] owns lanes, chunks and compaction and knows no physics; tests use a sink that records.
+//! An [`Integrator`] is the mathematics of vertices and of a ray that meets no mesh. It *pushes* what it finds into
+//! a [`Sink`]: emitted light, shadow rays, rays to follow (0 … N). Vertices come in a [`Batch`], so that the hot
+//! paths can work on all of its lanes at once. [`wave`] owns lanes, chunks and compaction and knows no physics.
 //!
 //! Vocabulary: `wo` to the viewer and `wi` to the light, both unit and away from the surface; `beta` the
 //! throughput of a path up to its last vertex; `pdf` the density per solid angle with which the direction
 //! that led here was chosen, infinite after a mirror or from the camera, where no other technique competes.
 
 mod ao;
+mod batch;
 mod context;
 mod cutout;
 mod distribution;
@@ -20,6 +21,7 @@ mod stats;
 pub mod wave;
 
 pub use ao::Ao;
+pub use batch::Batch;
 pub use context::{Context, Dimensions};
 pub use distribution::Distribution;
 pub use normals::Normals;
@@ -33,6 +35,7 @@ use crate::math::{Frame, Rgb, Vec3, mis};
 use crate::sampler::Key;
 use crate::scene::LightSampling;
 use crate::shape::Surface;
+use wave::BatchSink;
 
 /// A point where a path meets a surface.
 #[derive(Clone, Copy, Debug)]
@@ -60,12 +63,36 @@ pub struct Vertex {
 }
 
 impl Vertex {
+    /// How it faces the viewer.
+    #[inline(always)]
+    pub fn facing(&self) -> Facing {
+        let (ng, beta) = (self.surface.ng, self.arrival.beta);
+        Facing { frame: self.frame, view: self.view, ng, wo: self.wo, beta }
+    }
+}
+
+/// What the scattering at a vertex depends on, besides the material.
+#[derive(Clone, Copy, Debug)]
+pub struct Facing {
+    /// See [`Vertex::frame`].
+    pub frame: Frame,
+    /// See [`Vertex::view`].
+    pub view: View,
+    /// The geometric normal.
+    pub ng: Vec3,
+    /// See [`Vertex::wo`].
+    pub wo: Vec3,
+    /// See [`Arrival::beta`].
+    pub beta: Rgb,
+}
+
+impl Facing {
     /// True when `wi` is in front of the true surface where `local`, the same direction in the shading frame,
     /// is in front of the shading normal, and behind it where that is behind. Where the two disagree, light
     /// would leak through the surface or out of it, so none passes.
     #[inline(always)]
     pub fn on_the_same_side_as(&self, local: Vec3, wi: Vec3) -> bool {
-        let front = self.surface.ng.dot(wi) * self.surface.ng.dot(self.wo);
+        let front = self.ng.dot(wi) * self.ng.dot(self.wo);
         front * local.z > 0.0
     }
 }
@@ -125,8 +152,8 @@ pub trait Integrator: Sync {
         1
     }
 
-    /// What happens at one vertex.
-    fn vertex<B: Scatter>(&self, cx: &Context<'_>, v: &Vertex, bsdf: &B, out: &mut impl Sink);
+    /// What happens at vertices.
+    fn vertices<B: Scatter>(&self, cx: &Context<'_>, batch: &Batch<B>, out: &mut BatchSink<'_>);
 
     /// What happens to a ray from `o` with unit direction `d` that meets no mesh.
     fn end(&self, cx: &Context<'_>, end: End, o: Vec3, d: Vec3, arrival: &Arrival, out: &mut impl Sink);
@@ -157,7 +184,7 @@ fn emitted_at_end(cx: &Context<'_>, end: End, o: Vec3, d: Vec3, arrival: &Arriva
     });
 }
 
-/// One light sample of density `pdf`, weighted against the chance that BSDF sampling finds the same.
+/// One light sample, and the shadow ray that says whether it arrives.
 #[inline(always)]
 fn connect<B: Scatter>(
     lights: LightSampling,
@@ -167,19 +194,31 @@ fn connect<B: Scatter>(
     share: f32,
     out: &mut impl Sink,
 ) {
+    if let Some(radiance) = brought(lights, &v.facing(), bsdf, light, share) {
+        out.connect(light.shadow, radiance);
+    }
+}
+
+/// What the light sample brings if nothing is in its way, weighted against the chance that BSDF sampling finds the same.
+#[inline(always)]
+fn brought<B: Scatter>(
+    lights: LightSampling,
+    v: &Facing,
+    bsdf: &B,
+    light: &LightSample,
+    share: f32,
+) -> Option<Rgb> {
     let wi = v.frame.to_local(light.wi);
     let (f_cos, bsdf_pdf) = bsdf.eval(&v.view, wi);
-    if f_cos == Rgb::ZERO || !v.on_the_same_side_as(wi, light.wi) {
-        return;
-    }
     let weight = match lights {
         // A delta light has an infinite density: nothing else finds it.
         LightSampling::Mis => mis::power(light.pdf, bsdf_pdf),
         LightSampling::Light => 1.0,
         LightSampling::Bsdf if light.pdf == f32::INFINITY => 1.0,
-        LightSampling::Bsdf => return,
+        LightSampling::Bsdf => return None,
     };
-    out.connect(light.shadow, v.arrival.beta * f_cos * light.radiance_over_pdf * (weight * share));
+    let arrives = (f_cos != Rgb::ZERO) & v.on_the_same_side_as(wi, light.wi);
+    arrives.then(|| v.beta * f_cos * light.radiance_over_pdf * (weight * share))
 }
 
 /// The density that the ray along a BSDF sample of density `pdf` carries, so that what it meets weighs its light

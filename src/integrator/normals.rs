@@ -1,6 +1,7 @@
 //! Shading normals as colours.
 
-use super::{Arrival, Context, Integrator, Sink, Vertex};
+use super::wave::BatchSink;
+use super::{Arrival, Batch, Context, Integrator, Sink};
 use crate::bsdf::Scatter;
 use crate::light::End;
 use crate::math::Vec3;
@@ -11,8 +12,8 @@ pub struct Normals;
 
 impl Integrator for Normals {
     #[inline(always)]
-    fn vertex<B: Scatter>(&self, _cx: &Context<'_>, v: &Vertex, _bsdf: &B, out: &mut impl Sink) {
-        out.emit((v.frame.n + Vec3::ONE) * 0.5);
+    fn vertices<B: Scatter>(&self, _cx: &Context<'_>, batch: &Batch<B>, out: &mut BatchSink<'_>) {
+        batch.each(out, |v, _, out| out.emit((v.frame.n + Vec3::ONE) * 0.5));
     }
 
     #[inline(always)]

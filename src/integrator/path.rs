@@ -1,12 +1,16 @@
 //! Path tracing: the rendering equation, estimated one vertex at a time.
 
-use super::{Arrival, Context, Extension, Integrator, Sink, Vertex};
-use super::{competing_pdf, connect, emitted, emitted_at_end};
+use super::wave::{BatchSink, Extensions};
+use super::{Arrival, Batch, Context, Integrator, Sink};
+use super::{brought, competing_pdf, emitted, emitted_at_end};
+use crate::accel::{LANES, Mask, for_lanes};
 use crate::bsdf::Scatter;
 use crate::light::{End, Receiver};
-use crate::math::Vec3;
 use crate::math::ray::leave;
+use crate::math::soa::mask;
+use crate::math::{Rgb, Vec3, Vec3s};
 use crate::scene::LightSampling;
+use std::array::from_fn;
 
 /// Path tracing with next-event estimation, multiple importance sampling and Russian roulette.
 #[derive(Clone, Copy, Debug)]
@@ -28,53 +32,138 @@ const ROULETTE_FROM: u32 = 3;
 
 impl Integrator for Path {
     #[inline(always)]
-    fn vertex<B: Scatter>(&self, cx: &Context<'_>, v: &Vertex, bsdf: &B, out: &mut impl Sink) {
-        let Arrival { beta, depth, key, .. } = v.arrival;
-        emitted(cx, v, out);
-        if depth >= self.max_depth || !cx.scatters(v) {
+    fn vertices<B: Scatter>(&self, cx: &Context<'_>, batch: &Batch<B>, out: &mut BatchSink<'_>) {
+        for_lanes(batch.lanes, |lane| {
+            if cx.lights.emits(batch.material[lane]) {
+                emitted(cx, &batch.vertex(lane), &mut out.path(batch.slot[lane]));
+            }
+        });
+        if batch.depth >= self.max_depth {
             return;
         }
-        let dimensions = cx.dimensions.at(depth);
-        let light_sampled = cx.samples_lights && !bsdf.is_delta();
-        let mut normal = Receiver::ALL_AROUND;
-        if light_sampled {
-            let (from, packed) = cx.lights.receiver(&v.surface, v.wo, bsdf.transmits());
-            normal = packed;
-            let choice = if cx.lights.has_choice() { cx.sampler.bits(key, dimensions.choice) } else { 0 };
-            let u = cx.sampler.d2(key, dimensions.light);
-            if let Some(light) = cx.lights.sample(&v.surface, &from, choice, u) {
-                connect(self.lights, v, bsdf, &light, 1.0, out);
+        let alive = mask::<LANES>(&from_fn(|lane| cx.scatters(batch.material[lane], batch.outside[lane])))
+            & batch.lanes;
+        let mut lit = 0;
+        let mut normals = [Receiver::ALL_AROUND; LANES];
+        if cx.samples_lights {
+            lit = alive & !mask::<LANES>(&from_fn(|lane| batch.bsdf[lane].is_delta()));
+            if lit != 0 {
+                normals = self.connect(cx, batch, lit, out);
             }
         }
-
-        // The hemisphere integral of eq. (1) by importance sampling, eq. (20), with the BSDF's density.
-        let u = cx.sampler.d2(key, dimensions.bsdf);
-        let lobe = if cx.has_lobes { cx.sampler.d1(key, dimensions.lobe) } else { 0.0 };
-        let Some(sample) = bsdf.sample(&v.view, u, lobe) else { return };
-        let wi = v.frame.to_world(sample.wi);
-        if !v.on_the_same_side_as(sample.wi, wi) {
-            return;
-        }
-        let mut beta = beta * sample.weight;
-        if self.roulette && depth + 1 >= ROULETTE_FROM {
-            let keep = SOFTNESS * beta.max_element();
-            if keep < 1.0 {
-                if cx.sampler.d1(key, dimensions.roulette) >= keep {
-                    return;
-                }
-                beta /= keep;
-            }
-        }
-        let pdf = competing_pdf(self.lights, light_sampled, sample.pdf);
-        if pdf == 0.0 && depth + 1 == self.max_depth && !cx.has_moving_lamps {
-            return; // the next vertex could only emit, and that has been counted
-        }
-        let o = leave(v.surface.p, v.surface.error, v.surface.ng, wi);
-        out.extend(Extension { o, d: wi, beta, pdf, normal, branch: 0 });
+        self.extend(cx, batch, alive, lit, &normals, out);
     }
 
     #[inline(always)]
     fn end(&self, cx: &Context<'_>, end: End, o: Vec3, d: Vec3, arrival: &Arrival, out: &mut impl Sink) {
         emitted_at_end(cx, end, o, d, arrival, out);
+    }
+}
+
+impl Path {
+    /// Next-event estimation at the lanes `lit`: a light sample each. Gives their receivers' packed normals.
+    #[inline(always)]
+    fn connect<B: Scatter>(
+        &self,
+        cx: &Context<'_>,
+        batch: &Batch<B>,
+        lit: Mask,
+        out: &mut BatchSink<'_>,
+    ) -> [u32; LANES] {
+        let dimensions = cx.dimensions.at(batch.depth);
+        let mut choices = [0; LANES];
+        let mut normals = [Receiver::ALL_AROUND; LANES];
+        if cx.lights.has_choice() {
+            choices = cx.sampler.bits_of(&batch.keys, dimensions.choice);
+            for (lane, normal) in normals.iter_mut().enumerate() {
+                let all_around = batch.bsdf[lane].transmits();
+                *normal = cx.lights.receiver(&batch.surface.get(lane), batch.wo.get(lane), all_around).1;
+            }
+        }
+        let u = cx.sampler.d2_of(&batch.keys, dimensions.light);
+        let lights = cx.lights.sample_all(&batch.surface, &normals, &choices, &u, lit);
+        let mut radiance = Vec3s::ZERO;
+        let mut arrives = [false; LANES];
+        let mut connect = |lane: usize| {
+            let (light, bsdf) = (lights.get(lane), &batch.bsdf[lane]);
+            let brought = brought(self.lights, &batch.facing(lane), bsdf, &light, 1.0);
+            arrives[lane] = brought.is_some();
+            radiance.set(lane, brought.unwrap_or(Rgb::ZERO));
+        };
+        if B::is_small() {
+            for lane in 0..LANES {
+                connect(lane);
+            }
+        } else {
+            for_lanes(lights.lanes, connect);
+        }
+        out.connect(lights.lanes & mask(&arrives), &lights, &radiance, &batch.slot);
+        normals
+    }
+
+    /// Follows the lanes `alive`: the hemisphere integral of eq. (1) by importance sampling, eq. (20), with the BSDF's
+    /// density. `lit`: those that took light samples, whose receivers have `normals`.
+    #[inline(always)]
+    fn extend<B: Scatter>(
+        &self,
+        cx: &Context<'_>,
+        batch: &Batch<B>,
+        mut alive: Mask,
+        lit: Mask,
+        normals: &[u32; LANES],
+        out: &mut BatchSink<'_>,
+    ) {
+        let dimensions = cx.dimensions.at(batch.depth);
+        let u = cx.sampler.d2_of(&batch.keys, dimensions.bsdf);
+        let lobe = if cx.has_lobes { cx.sampler.d1_of(&batch.keys, dimensions.lobe) } else { [0.0; LANES] };
+        let mut next = Extensions::new(&batch.slot, normals);
+        let mut goes_on = [false; LANES];
+        let mut sample = |lane: usize| {
+            let sample =
+                batch.bsdf[lane].sample(&batch.facing(lane).view, [u[0][lane], u[1][lane]], lobe[lane]);
+            let Some(sample) = sample else { return };
+            let wi = batch.facing(lane).frame.to_world(sample.wi);
+            goes_on[lane] = batch.facing(lane).on_the_same_side_as(sample.wi, wi);
+            next.d.set(lane, wi);
+            next.beta.set(lane, batch.beta.get(lane) * sample.weight);
+            next.pdf[lane] = sample.pdf;
+        };
+        if B::is_small() {
+            for lane in 0..LANES {
+                sample(lane);
+            }
+        } else {
+            for_lanes(alive, sample);
+        }
+        alive &= mask(&goes_on);
+        if self.roulette && batch.depth + 1 >= ROULETTE_FROM {
+            let numbers = cx.sampler.d1_of(&batch.keys, dimensions.roulette);
+            alive &= self.roulette(&numbers, &mut next.beta);
+        }
+        let last = batch.depth + 1 == self.max_depth && !cx.has_moving_lamps;
+        for_lanes(alive, |lane| {
+            next.pdf[lane] = competing_pdf(self.lights, lit >> lane & 1 == 1, next.pdf[lane]);
+            // The next vertex could only emit, and that has been counted.
+            alive &= !(Mask::from(next.pdf[lane] == 0.0 && last) << lane);
+        });
+        for lane in 0..LANES {
+            let s = batch.surface.get(lane);
+            next.o.set(lane, leave(s.p, s.error, s.ng, next.d.get(lane)));
+        }
+        out.extend(alive, &next);
+    }
+
+    /// Ends dim paths at random, and makes up for it in the others' throughput. The lanes that go on.
+    #[inline(always)]
+    fn roulette(&self, numbers: &[f32; LANES], beta: &mut Vec3s<LANES>) -> Mask {
+        let mut kept = [false; LANES];
+        for lane in 0..LANES {
+            let b = beta.get(lane);
+            let keep = SOFTNESS * b.max_element();
+            beta.set(lane, if keep < 1.0 { b / keep } else { b });
+            let ends = numbers[lane] >= keep; // never when `keep` is no number: that sample will be counted
+            kept[lane] = !ends;
+        }
+        mask(&kept)
     }
 }

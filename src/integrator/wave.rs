@@ -6,19 +6,21 @@
 //! chunks, which also compacts them) → `connect` (shadow rays) until no path is left. It knows no physics.
 
 mod first;
+mod gather;
 mod pushed;
 
 use super::cutout;
 use super::lanes::{Lanes, Paths};
-use super::{Arrival, Context, Extension, Integrator, RenderStats, Vertex};
+use super::{Arrival, Context, Extension, Integrator, RenderStats};
 use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, for_lanes};
-use crate::bsdf::{Bsdf, Material, Scatter, View};
+use crate::bsdf::{Bsdf, Material, Scatter};
 use crate::film::{Film, Tile};
 use crate::light::{End, Receiver, sphere};
 use crate::math::{DVec3, Rgb};
-use crate::shape::Surface;
 use first::{camera_ray, first_hit, first_hit_of_lamp, time};
-use pushed::{PathSink, Pushed, Slot};
+use gather::{Traced, batch};
+pub use pushed::{BatchSink, Extensions, PathSink};
+use pushed::{Pushed, Slot};
 use std::ops::Range;
 use std::time::Instant;
 
@@ -256,25 +258,16 @@ impl Wave {
         group: &[u32],
         bsdf: impl Fn(&Material) -> Option<&B>,
     ) {
-        for &i in group {
-            let (chunk, lane) = (i as usize / LANES, i as usize % LANES);
-            let (arrival, slot) = self.arrival(chunk, lane, depth);
-            let (v, ids) = self.vertex(job.cx, chunk, lane, arrival);
+        for of in group.chunks(LANES) {
+            let traced = Traced { lanes: &self.current, hits: &self.hits, slots: &self.pushed.slots };
+            let Some(batch) = batch(job.cx, &traced, depth, of, &bsdf) else { continue };
             if depth == 0 && job.layers {
-                let pixel = self.pushed.slots[slot as usize].pixel as usize;
-                tile.add_first_hit(pixel, arrival.key.index, &first_hit(job.cx, &v, ids));
+                for_lanes(batch.lanes, |lane| {
+                    let (v, pixel) = (batch.vertex(lane), self.pushed.slots[batch.slot[lane] as usize].pixel);
+                    tile.add_first_hit(pixel as usize, v.arrival.key.index, &first_hit(job.cx, &v));
+                });
             }
-            let material = &job.cx.materials[v.part as usize];
-            let Some(plain) = bsdf(material) else { continue };
-            let textured;
-            let bsdf = match &material.maps {
-                None => plain,
-                Some(maps) => {
-                    textured = maps.applied(plain, v.surface.uv);
-                    &textured
-                }
-            };
-            job.integrator.vertex(job.cx, &v, bsdf, &mut PathSink { pushed: &mut self.pushed, slot });
+            job.integrator.vertices(job.cx, &batch, &mut BatchSink { pushed: &mut self.pushed });
         }
     }
 
@@ -286,31 +279,6 @@ impl Wave {
         let (beta, branch) = (self.current.beta(chunk, lane), path.branch[lane]);
         let (pdf, normal) = (path.pdf[lane], path.normal[lane]);
         (Arrival { beta, pdf, normal, depth, branch, key }, slot)
-    }
-
-    /// The vertex at a lane's hit, with the ids of mesh, triangle and material.
-    #[inline(always)]
-    fn vertex(&self, cx: &Context<'_>, chunk: usize, lane: usize, arrival: Arrival) -> (Vertex, [u32; 3]) {
-        let hits = &self.hits[chunk];
-        let (id, triangle) = (hits.mesh[lane], hits.triangle[lane]);
-        let (mesh, place) = cx.mesh(id);
-        let mut surface = Surface::new(mesh, triangle, hits.u[lane], hits.v[lane]);
-        let rays = &self.current.rays[chunk];
-        let (origin, wo) = (rays.o(lane), -rays.d(lane));
-        let material = cx.material(id, triangle);
-        let part = cx.part(material, arrival.key, arrival.depth, arrival.branch);
-        if let Some(maps) = &cx.materials[part as usize].maps {
-            surface.ns = maps.normal(&surface, mesh, triangle as usize);
-        }
-        if let Some(place) = place {
-            let slot = self.current.paths[chunk].slot[lane] as usize;
-            surface = surface.placed(&cx.transform(place, self.pushed.slots[slot].time));
-        }
-        let frame = surface.frame_towards(wo);
-        let view = View { wo: frame.to_local(wo), outside: surface.ng.dot(wo) > 0.0 };
-        let (t, ids) = (hits.t[lane], [id, triangle]);
-        let v = Vertex { surface, frame, wo, view, origin, t, ids, material, part, arrival };
-        (v, [id, triangle, material])
     }
 
     /// Traces the shadow rays; what is free reaches its sample.

@@ -6,12 +6,11 @@
 
 use super::bounds::{Cone, LightBounds};
 use super::distant::{Distant, Distants};
-use super::patch::Patch;
+use super::patch::{self, Patch};
 use super::single::{sample_directional, sample_point, sample_sphere, sample_spot};
 use super::tree::LightTree;
 use super::{Emission, Environment, Light, LightSample, Point, Receiver, Sphere, Spot, Sun, reach};
-use crate::math::ray::{Ray, leave};
-use crate::math::{Aabb, Rgb, Vec2, Vec3, luminance};
+use crate::math::{Aabb, Rgb, Vec3, luminance};
 use crate::shape::{Mesh, Surface};
 use std::sync::Arc;
 
@@ -192,6 +191,24 @@ impl Lights {
         (Receiver::new(surface.p, packed), packed)
     }
 
+    /// The patch that is all there is to sample, and its emission, where that is the same all over.
+    #[inline(always)]
+    pub(super) fn only_patch(&self) -> Option<(&Patch, &Emission)> {
+        match self.emitters.as_slice() {
+            [Emitter::Patch { patch, material }] if self.distant.is_empty() => {
+                let emission = self.emissions.get(*material as usize).filter(|e| !e.varies())?;
+                Some((self.patches.get(*patch as usize)?, emission))
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether surfaces of that material emit.
+    #[inline(always)]
+    pub fn emits(&self, material: u32) -> bool {
+        self.emissions[material as usize].radiance != Rgb::ZERO
+    }
+
     /// Radiance that the triangle hit at `surface` sends back along `wo`.
     #[inline(always)]
     pub fn emitted(&self, material: u32, surface: &Surface, wo: Vec3) -> Rgb {
@@ -315,32 +332,15 @@ impl Lights {
     ) -> Option<LightSample> {
         let patch = &self.patches[index as usize];
         let point = patch.sample(from.p, u);
-        let to = point.p - from.p;
-        let distance_squared = to.length_squared();
-        if distance_squared <= 0.0 {
-            return None;
-        }
-        let wi = to * (1.0 / distance_squared.sqrt());
-        let mut light =
-            Surface { p: point.p, error: point.error, ng: point.ng, ns: point.ng, uv: Vec2::ZERO };
-        let mut share = 1.0;
         let emission = &self.emissions[material as usize];
+        let mut radiance = emission.radiance;
         if emission.varies() {
             let [mesh, triangle] = self.sources[index as usize];
             let uv = self.meshes[mesh as usize].uv_at(triangle as usize, point.p);
-            light.uv = uv.unwrap_or_default();
-            share = emission.opacity.as_ref().map_or(1.0, |opacity| opacity.at(uv));
+            let share = emission.opacity.as_ref().map_or(1.0, |opacity| opacity.at(uv));
+            radiance = emission.at(uv.unwrap_or_default()) * share;
         }
-        let radiance = self.emitted(material, &light, -wi) * share;
-        let cos = point.ng.dot(wi).abs();
-        let pdf = chance * point.by_solid_angle.unwrap_or_else(|| patch.pdf_by_area(distance_squared, cos));
-        if radiance == Rgb::ZERO || !(pdf > 0.0 && pdf.is_finite()) {
-            return None;
-        }
-        let start = leave(from.p, from.error, from.ng, wi);
-        let end = leave(light.p, light.error, light.ng, -wi);
-        let shadow = Ray { o: start, d: end - start, tmax: reach::ALMOST };
-        Some(LightSample { wi, radiance_over_pdf: radiance / pdf, pdf, shadow })
+        patch::light_sample(from, &point, (radiance, emission.two_sided), patch.sampled_area(), chance)
     }
 
     #[inline(always)]

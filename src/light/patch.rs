@@ -2,10 +2,12 @@
 //! area where they are far.
 
 use super::bounds::{Cone, LightBounds};
+use super::{LightSample, reach};
+use crate::math::ray::{Ray, leave};
 use crate::math::solid_angle::{Rectangle, SphericalRectangle, SphericalTriangle};
-use crate::math::{Aabb, Vec3, warp};
-use crate::shape::Mesh;
+use crate::math::{Aabb, Rgb, Vec3, warp};
 use crate::shape::surface::ROUNDING;
+use crate::shape::{Mesh, Surface};
 
 /// A light made of triangles.
 #[derive(Clone, Copy, Debug)]
@@ -81,26 +83,8 @@ impl Patch {
     #[inline(always)]
     pub fn sample(&self, from: Vec3, u: [f32; 2]) -> PatchPoint {
         match self {
-            Patch::Triangle { corners, ng } => {
-                let (b, by_solid_angle) = match near_triangle(corners, from) {
-                    Some(seen) => (weights(corners, from, seen.sample(u)), Some(1.0 / seen.solid_angle)),
-                    None => (warp::triangle(u), None),
-                };
-                let w = 1.0 - b[0] - b[1];
-                let p = corners[0] * w + corners[1] * b[0] + corners[2] * b[1];
-                let size = corners[0].abs().max(corners[1].abs()).max(corners[2].abs());
-                PatchPoint { p, error: ROUNDING * size.max_element(), ng: *ng, by_solid_angle }
-            }
-            Patch::Rectangle(r) => {
-                let ([a, b], by_solid_angle) = match near_rectangle(r, from) {
-                    Some(seen) => (seen.sample(u), Some(1.0 / seen.solid_angle)),
-                    None => (u, None),
-                };
-                let (along, across) = (r.edges[0] * a, r.edges[1] * b);
-                let size = r.corner.abs() + along.abs() + across.abs();
-                let error = ROUNDING * size.max_element();
-                PatchPoint { p: r.corner + along + across, error, ng: r.axes[2], by_solid_angle }
-            }
+            Patch::Triangle { corners, ng } => sample_triangle(corners, *ng, from, u),
+            Patch::Rectangle(r) => sample_rectangle(r, from, u),
         }
     }
 
@@ -118,12 +102,72 @@ impl Patch {
     /// d²/(A·cos θ).
     #[inline(always)]
     pub fn pdf_by_area(&self, distance_squared: f32, cos: f32) -> f32 {
-        let area = match self {
+        distance_squared / (self.sampled_area() * cos)
+    }
+
+    /// The area as densities see it.
+    #[inline(always)]
+    pub(super) fn sampled_area(&self) -> f32 {
+        match self {
             Patch::Triangle { corners: [a, b, c], .. } => 0.5 * (*b - *a).cross(*c - *a).length(),
             Patch::Rectangle(r) => r.lengths[0] * r.lengths[1],
-        };
-        distance_squared / (area * cos)
+        }
     }
+}
+
+/// The sample that `point` of a patch with that area is for a receiver at `from`; `radiance`, and whether both sides
+/// send it. `chance`: of this patch among the lights.
+#[inline(always)]
+pub(super) fn light_sample(
+    from: &Surface,
+    point: &PatchPoint,
+    (radiance, two_sided): (Rgb, bool),
+    area: f32,
+    chance: f32,
+) -> Option<LightSample> {
+    let to = point.p - from.p;
+    let distance_squared = to.length_squared();
+    let wi = to * (1.0 / distance_squared.sqrt());
+    let cos = point.ng.dot(wi);
+    let pdf = chance * point.by_solid_angle.unwrap_or_else(|| distance_squared / (area * cos.abs()));
+    let arrives = (distance_squared > 0.0)
+        & (radiance != Rgb::ZERO)
+        & (two_sided | (cos < 0.0))
+        & (pdf > 0.0)
+        & pdf.is_finite();
+    if !arrives {
+        return None;
+    }
+    let start = leave(from.p, from.error, from.ng, wi);
+    let end = leave(point.p, point.error, point.ng, -wi);
+    let shadow = Ray { o: start, d: end - start, tmax: reach::ALMOST };
+    Some(LightSample { wi, radiance_over_pdf: radiance / pdf, pdf, shadow })
+}
+
+/// A point of a triangle for a receiver at `from`.
+#[inline(always)]
+fn sample_triangle(corners: &[Vec3; 3], ng: Vec3, from: Vec3, u: [f32; 2]) -> PatchPoint {
+    let (b, by_solid_angle) = match near_triangle(corners, from) {
+        Some(seen) => (weights(corners, from, seen.sample(u)), Some(1.0 / seen.solid_angle)),
+        None => (warp::triangle(u), None),
+    };
+    let w = 1.0 - b[0] - b[1];
+    let p = corners[0] * w + corners[1] * b[0] + corners[2] * b[1];
+    let size = corners[0].abs().max(corners[1].abs()).max(corners[2].abs());
+    PatchPoint { p, error: ROUNDING * size.max_element(), ng, by_solid_angle }
+}
+
+/// The same of a rectangle.
+#[inline(always)]
+pub(super) fn sample_rectangle(r: &Rectangle, from: Vec3, u: [f32; 2]) -> PatchPoint {
+    let ([a, b], by_solid_angle) = match near_rectangle(r, from) {
+        Some(seen) => (seen.sample(u), Some(1.0 / seen.solid_angle)),
+        None => (u, None),
+    };
+    let (along, across) = (r.edges[0] * a, r.edges[1] * b);
+    let size = r.corner.abs() + along.abs() + across.abs();
+    let error = ROUNDING * size.max_element();
+    PatchPoint { p: r.corner + along + across, error, ng: r.axes[2], by_solid_angle }
 }
 
 /// The triangle as `from` sees it, where it is sampled by solid angle.

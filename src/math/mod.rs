@@ -11,6 +11,7 @@ pub mod frame;
 pub mod isa;
 pub mod mis;
 pub mod ray;
+pub mod soa;
 pub mod solid_angle;
 pub mod srgb;
 pub mod warp;
@@ -18,6 +19,7 @@ pub mod warp;
 pub use aabb::Aabb;
 pub use frame::Frame;
 pub use glam::{DMat4, DVec3, UVec2, Vec2, Vec3};
+pub use soa::Vec3s;
 
 /// Linear RGB with Rec.709 primaries; radiance in W/(m²·sr) unless said otherwise.
 pub type Rgb = Vec3;

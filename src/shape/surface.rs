@@ -30,17 +30,11 @@ impl Surface {
     /// without texture coordinates: all that emission and visibility need.
     #[inline(always)]
     pub fn faceted(mesh: &Mesh, triangle: u32, u: f32, v: f32) -> Surface {
-        let [a, b, c] = mesh.triangle(triangle as usize);
-        // A backend's rounding can put the weights a little outside of a small triangle; beyond a concave edge
-        // that point would lie below the neighbour's surface.
-        let (u, v) = (u.max(0.0), v.max(0.0));
-        let scale = 1.0 / (u + v).max(1.0);
-        let (u, v) = (u * scale, v * scale);
-        let w = (1.0 - u - v).max(0.0);
-        let p = a * w + b * u + c * v;
-        let size = (a * w).abs() + (b * u).abs() + (c * v).abs();
+        let corners = mesh.triangle(triangle as usize);
+        let (p, error, uv) = place(corners, u, v);
+        let [a, b, c] = corners;
         let ng = geometric_normal(a, b, c);
-        Surface { p, error: ROUNDING * size.max_element(), ng, ns: ng, uv: Vec2::new(u, v) }
+        Surface { p, error, ng, ns: ng, uv }
     }
 
     /// The same with the mesh's shading normal and texture coordinates, where it has some.
@@ -50,7 +44,7 @@ impl Surface {
         let corners = mesh.indices[triangle as usize];
         let w = 1.0 - u - v;
         if let Some(n) = mesh.normals.as_ref().and_then(|n| n.corners(triangle as usize, corners)) {
-            surface.ns = shading_normal(n, w, u, v, surface.ng);
+            surface.ns = shading_normal(n.map(Vec3::from), w, u, v, surface.ng);
         }
         if let Some([a, b, c]) = mesh.uvs.as_ref().and_then(|t| t.corners(triangle as usize, corners)) {
             surface.uv = Vec2::from(a) * w + Vec2::from(b) * u + Vec2::from(c) * v;
@@ -68,11 +62,8 @@ impl Surface {
         let ns = self.ns * side;
         let cos = ns.dot(wo);
         const GRAZING: f32 = 1e-3;
-        if cos >= GRAZING {
-            return Frame::new(ns);
-        }
-        let bent = ns + wo * (GRAZING - cos);
-        Frame::new(bent.normalize_or(self.ng * side))
+        let bent = (ns + wo * (GRAZING - cos)).normalize_or(self.ng * side);
+        Frame::new(if cos >= GRAZING { ns } else { bent })
     }
 }
 
@@ -80,16 +71,36 @@ impl Surface {
 /// leave the range of f32.
 #[inline(always)]
 pub fn geometric_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
+    match plain_normal(a, b, c) {
+        (n, true) => n,
+        _ => geometric_normal_f64(a, b, c),
+    }
+}
+
+/// The normal without regard to the range of f32, and whether it kept to it.
+#[inline(always)]
+pub(super) fn plain_normal(a: Vec3, b: Vec3, c: Vec3) -> (Vec3, bool) {
     let n = (b - a).cross(c - a);
     let length_squared = n.length_squared();
-    if length_squared > 1e-30 && length_squared < 1e30 {
-        return n * (1.0 / length_squared.sqrt());
-    }
-    geometric_normal_f64(a, b, c)
+    (n * (1.0 / length_squared.sqrt()), (length_squared > 1e-30) & (length_squared < 1e30))
+}
+
+/// The point with weights `u` and `v`, its error and the weights, all within the triangle.
+#[inline(always)]
+pub(super) fn place([a, b, c]: [Vec3; 3], u: f32, v: f32) -> (Vec3, f32, Vec2) {
+    // A backend's rounding can put the weights a little outside of a small triangle; beyond a concave edge
+    // that point would lie below the neighbour's surface.
+    let (u, v) = (u.max(0.0), v.max(0.0));
+    let scale = 1.0 / (u + v).max(1.0);
+    let (u, v) = (u * scale, v * scale);
+    let w = (1.0 - u - v).max(0.0);
+    let p = a * w + b * u + c * v;
+    let size = (a * w).abs() + (b * u).abs() + (c * v).abs();
+    (p, ROUNDING * size.max_element(), Vec2::new(u, v))
 }
 
 #[cold]
-fn geometric_normal_f64(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
+pub(super) fn geometric_normal_f64(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     let n = (b.as_dvec3() - a.as_dvec3()).cross(c.as_dvec3() - a.as_dvec3());
     let scale = n.abs().max_element();
     if scale > 0.0 && scale.is_finite() { (n / scale).normalize().as_vec3() } else { Vec3::Z }
@@ -97,8 +108,8 @@ fn geometric_normal_f64(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
 
 /// The interpolated normal, turned to the side of `ng`: files with flipped normals shade like the others.
 #[inline(always)]
-fn shading_normal(n: [[f32; 3]; 3], w: f32, u: f32, v: f32, ng: Vec3) -> Vec3 {
-    let n = Vec3::from(n[0]) * w + Vec3::from(n[1]) * u + Vec3::from(n[2]) * v;
+pub(super) fn shading_normal(n: [Vec3; 3], w: f32, u: f32, v: f32, ng: Vec3) -> Vec3 {
+    let n = n[0] * w + n[1] * u + n[2] * v;
     let length_squared = n.length_squared();
     if length_squared > 1e-20 && length_squared < 1e20 {
         let n = n * (1.0 / length_squared.sqrt());

@@ -31,8 +31,8 @@ pub fn camera_ray(cx: &Context<'_>, x: u32, y: u32, key: Key, time: f32) -> (Ray
     (Ray { o: ray.o, d: ray.d, tmax: f32::INFINITY }, weight)
 }
 
-/// What the film's layers keep of a first hit, and its mesh, triangle and material.
-pub fn first_hit(cx: &Context<'_>, v: &Vertex, ids: [u32; 3]) -> FirstHit {
+/// What the film's layers keep of a first hit.
+pub fn first_hit(cx: &Context<'_>, v: &Vertex) -> FirstHit {
     let material = &cx.materials[v.part as usize];
     let mut bsdf = material.bsdf.clone();
     if let Some(maps) = &material.maps {
@@ -46,7 +46,7 @@ pub fn first_hit(cx: &Context<'_>, v: &Vertex, ids: [u32; 3]) -> FirstHit {
         albedo: bsdf.albedo(),
         position: v.surface.p,
         uv: v.surface.uv,
-        ids,
+        ids: [v.ids[0], v.ids[1], v.material],
     }
 }
 

@@ -1,9 +1,11 @@
 //! What the vertices of a wave push: the next rays, the shadow rays, and radiance for the samples.
 
+use crate::accel::{LANES, Mask};
 use crate::integrator::lanes::Lanes;
 use crate::integrator::{Extension, Sink};
+use crate::light::LightSamples;
 use crate::math::ray::Ray;
-use crate::math::{DVec3, Rgb};
+use crate::math::{DVec3, Rgb, Vec3s};
 use crate::sampler::Key;
 
 /// One sample of one pixel.
@@ -35,9 +37,9 @@ pub struct Pushed {
 /// The sink as one path sees it.
 pub struct PathSink<'a> {
     /// Of the wave.
-    pub pushed: &'a mut Pushed,
+    pub(super) pushed: &'a mut Pushed,
     /// The path's sample.
-    pub slot: u32,
+    pub(super) slot: u32,
 }
 
 impl Sink for PathSink<'_> {
@@ -54,5 +56,63 @@ impl Sink for PathSink<'_> {
     #[inline(always)]
     fn extend(&mut self, next: Extension) {
         self.pushed.next.follow(next, self.slot);
+    }
+}
+
+/// Rays to follow, lane beside lane.
+#[derive(Clone, Debug)]
+pub struct Extensions<'a> {
+    /// See [`Extension::o`].
+    pub o: Vec3s<LANES>,
+    /// See [`Extension::d`].
+    pub d: Vec3s<LANES>,
+    /// See [`Extension::beta`].
+    pub beta: Vec3s<LANES>,
+    /// See [`Extension::pdf`].
+    pub pdf: [f32; LANES],
+    /// See [`Extension::normal`].
+    pub normal: &'a [u32; LANES],
+    /// Their samples.
+    pub slot: &'a [u32; LANES],
+}
+
+impl<'a> Extensions<'a> {
+    /// To be filled; of samples that do not branch.
+    #[inline(always)]
+    pub fn new(slot: &'a [u32; LANES], normal: &'a [u32; LANES]) -> Self {
+        let zero = Vec3s::ZERO;
+        Extensions { o: zero, d: zero, beta: zero, pdf: [0.0; LANES], normal, slot }
+    }
+}
+
+/// The wave's sink as a batch of paths sees it.
+pub struct BatchSink<'a> {
+    /// Of the wave.
+    pub(super) pushed: &'a mut Pushed,
+}
+
+impl BatchSink<'_> {
+    /// The sink of one path.
+    #[inline(always)]
+    pub fn path(&mut self, slot: u32) -> PathSink<'_> {
+        PathSink { pushed: self.pushed, slot }
+    }
+
+    /// [`Sink::connect`] of `lanes`, whose samples are `slot`.
+    #[inline(always)]
+    pub fn connect(
+        &mut self,
+        lanes: Mask,
+        lights: &LightSamples<LANES>,
+        radiance: &Vec3s<LANES>,
+        slot: &[u32; LANES],
+    ) {
+        self.pushed.shadows.push_all(lanes, lights, radiance, slot);
+    }
+
+    /// [`Sink::extend`] of `lanes`.
+    #[inline(always)]
+    pub fn extend(&mut self, lanes: Mask, next: &Extensions<'_>) {
+        self.pushed.next.follow_all(lanes, next);
     }
 }
