@@ -43,7 +43,7 @@ fn d5_killed_at_any_time_the_same_bytes_come_out() {
     while killed < kills {
         let engine = engines[round % engines.len()];
         // A whole number of blocks, and one that cuts the last one short.
-        let spp = ["64", "100"][round / engines.len() % 2];
+        let spp = ["512", "600"][round / engines.len() % 2];
         let job = words(&[&["t.obj", "--ground"], &PICTURE, &["--spp", spp], &OUTPUTS, &engine[..2]]);
         drt(dir, &job).expect(0, &[]);
         let whole = take(dir);
@@ -52,7 +52,7 @@ fn d5_killed_at_any_time_the_same_bytes_come_out() {
             let mut command = Command::new(assert_cmd::cargo::cargo_bin("drt"));
             command.args(&job).args(kept).args(&engine[2..]).current_dir(dir).stderr(Stdio::null());
             let mut child = command.spawn().unwrap();
-            std::thread::sleep(some(killed, 400));
+            wait_at_most(&mut child, some(killed, 250));
             let _ = child.kill();
             let ended = child.wait().unwrap();
             if ended.success() {
@@ -73,6 +73,14 @@ fn d5_killed_at_any_time_the_same_bytes_come_out() {
         assert!(take(dir) == whole, "round {round}: {engine:?}, {spp} samples");
         fs::remove_file(dir.join("c")).unwrap();
         round += 1;
+    }
+}
+
+/// Waits for the end of `child`, but no longer than so.
+fn wait_at_most(child: &mut std::process::Child, time: std::time::Duration) {
+    let started = std::time::Instant::now();
+    while started.elapsed() < time && matches!(child.try_wait(), Ok(None)) {
+        std::thread::sleep(std::time::Duration::from_millis(2));
     }
 }
 

@@ -50,6 +50,8 @@ fn c2_every_flag_refuses_nonsense_and_names_itself() {
         ("--exposure", "0"),
         ("--exposure", "-1"),
         ("--max-texture-bytes", "0"), // no picture at all
+        ("--max-unpacked", "0"),      // no packed file
+        ("--frames", "0"),            // the first one
     ];
     for flag in flags() {
         for value in
@@ -129,7 +131,7 @@ fn c3_inputs_with_awkward_names_and_unreadable_ones() {
         ended.expect(0, &[]);
         fs::remove_file(dir.join("x.exr")).unwrap();
     }
-    Run::new(dir, &["-o", "x.exr", "--", ""]).check().expect(2, &["MESH.obj|SCENE.toml"]);
+    Run::new(dir, &["-o", "x.exr", "--", ""]).check().expect(2, &["MESH|SCENE.toml"]);
     for name in [" ", "-", "--", "missing", "missing.obj", "missing.toml", "/", "."] {
         let ended = Run::new(dir, &["-o", "x.exr", "--", name]).check();
         ended.expect(1, &[]);

@@ -80,7 +80,10 @@ fn build_and_trace(isa: &str, quality: Quality, compact: bool, vertices: u32, pa
         let mut hits = Hits::default();
         let _ = trace::closest_by(way, &scene, Width::native(&device), rays.check(!0), &mut hits);
         assert!(hits.mesh.iter().all(|&m| m != MISS), "{isa} {way:?}");
-        assert_eq!(trace::occluded_by(way, &scene, Width::native(&device), rays.check(!0)), !0);
+        // Never for any-hit, where Embree may loop for ever: see `Way::for_occluded`.
+        if way != Way::CoherentPacket {
+            assert_eq!(trace::occluded_by(way, &scene, Width::native(&device), rays.check(!0)), !0);
+        }
     }
 }
 

@@ -61,12 +61,7 @@ impl Series {
     ///
     /// # Errors
     /// Numbers that are none; names without a place for the number.
-    pub fn new(
-        args: &SeriesArgs,
-        resume: bool,
-        asked: &[PathBuf],
-        input: &Path,
-    ) -> Result<Option<Series>> {
+    pub fn new(args: &SeriesArgs, resume: bool, asked: &[PathBuf], input: &Path) -> Result<Option<Series>> {
         let (kind, first, last) = match (&args.turntable, &args.frames) {
             (Some(word), _) => {
                 let count = word.parse().ok().filter(|n| (1..=MOST).contains(n)).ok_or_else(|| {

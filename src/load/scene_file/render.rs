@@ -25,7 +25,7 @@ pub(super) fn read<'t>(mut render: Section<'t>, settings: &mut Settings) -> Resu
         directions.check(*rule, s.max_depth).map_err(|e| field.locate(e))?;
     }
     assign(&mut s.seed, render.read("seed", |f| f.integer(0..=u64::MAX))?);
-    assign(&mut s.sampler, render.read("sampler", |f| f.word(&["halton"], SamplerKind::from_name))?);
+    assign(&mut s.sampler, render.read("sampler", |f| f.word(&[], SamplerKind::from_name))?);
     assign(&mut s.backend, render.read("backend", |f| f.word(&[], Backend::from_name))?);
     assign(&mut s.build, render.read("build", |f| f.word(&[], BuildQuality::from_name))?);
     assign(&mut s.compact, render.read("compact", compact)?);

@@ -158,7 +158,7 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         ("[render]\nseed = 18446744073709551616", 2, 8, &["render.seed"]),
         ("[render]\nroulette = 1", 2, 12, &["true or false"]),
         ("[render]\nsampler = \"sobel\"", 2, 11, &["did you mean \"sobol\"?"]),
-        ("[render]\nsampler = \"halton\"", 2, 11, &["not supported by this version"]),
+        ("[render]\nsampler = \"halten\"", 2, 11, &["did you mean \"halton\"?"]),
         ("[render]\nintegrator = { type = \"path\", distance = 1 }", 2, 31, &["unknown key \"distance\""]),
         ("[film]\nsize = [0, 10]", 2, 9, &["film.size.0", "from 1 to"]),
         ("[film]\nsize = [1000000, 1000000]", 2, 8, &["1000000000000 pixels", "limit of 268435456"]),
