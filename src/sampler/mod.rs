@@ -177,11 +177,8 @@ impl Sampler {
         match &self.kind {
             Kind::Sobol(s) => s.bits2_of(keys, dimension).map(units),
             _ => {
-                let mut all = [[0.0; N]; 2];
-                for lane in 0..N {
-                    [all[0][lane], all[1][lane]] = self.d2(keys.get(lane), dimension);
-                }
-                all
+                let pairs: [[f32; 2]; N] = std::array::from_fn(|lane| self.d2(keys.get(lane), dimension));
+                [pairs.map(|pair| pair[0]), pairs.map(|pair| pair[1])]
             }
         }
     }

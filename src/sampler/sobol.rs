@@ -109,11 +109,8 @@ impl Sobol {
         if (dimension as usize) + 1 < DIMENSIONS {
             return [self.bits_of(keys, dimension), self.bits_of(keys, dimension + 1)];
         }
-        let mut bits = [[0; N]; 2];
-        for lane in 0..N {
-            [bits[0][lane], bits[1][lane]] = self.padded2(keys.get(lane), dimension);
-        }
-        bits
+        let pairs: [[u32; 2]; N] = std::array::from_fn(|lane| self.padded2(keys.get(lane), dimension));
+        [pairs.map(|pair| pair[0]), pairs.map(|pair| pair[1])]
     }
 
     #[inline(never)]

@@ -73,7 +73,7 @@ fn halton_points_are_stratified_in_their_bases() {
             let mut seen = vec![false; cells as usize];
             for i in 0..cells {
                 let bits = u64::from(sampler.bits(sampler.key(5, block + i), dimension));
-                seen[(bits * u64::from(cells) >> 32) as usize] = true;
+                seen[((bits * u64::from(cells)) >> 32) as usize] = true;
             }
             assert!(seen.iter().all(|s| *s), "dimension {dimension}, block {block}");
         }

@@ -164,7 +164,7 @@ mod tests {
         plain.uvs = Some(Attribute { values: (0..18).map(|i| [i as f32, 2.0]).collect(), indices: None });
         let hit = |lane: usize| (lane as u32, 0.09 * lane as f32 - 0.1, 0.4);
         for every in [1, 3, 99] {
-            let mesh = |lane: usize| if lane % every == 0 { &plain } else { &bare };
+            let mesh = |lane: usize| if lane.is_multiple_of(every) { &plain } else { &bare };
             let mut corners = Corners::<16>::empty();
             for lane in 0..16 {
                 let (triangle, u, v) = hit(lane);
