@@ -81,7 +81,7 @@ fn our_triangles(object: &Object) -> Vec<Triangle> {
 
 /// Materials with a definition that faces have.
 fn our_materials(object: &Object) -> u64 {
-    let uses = super::materials::uses([&object.mesh], object.materials.len());
+    let uses = super::materials::uses([(&object.mesh, 1)], object.materials.len());
     uses.iter().zip(&object.definitions).filter(|(uses, known)| **uses > 0 && known.is_some()).count() as u64
 }
 
