@@ -4,7 +4,7 @@
 //! direction; nothing on the left knows anything on the right:
 //!
 //! ```text
-//! scene.toml / mesh.obj ──load──▶ Scene ──accel──▶ Intersector ──┐
+//! scene.toml / mesh.*   ──load──▶ Scene ──accel──▶ Intersector ──┐
 //!       (text)                 (plain data)     (Embree | BVH)    │
 //!                                                                 ▼
 //! image files ◀──output── Image ◀──film── pixels ◀──render── Integrator (waves of paths)
@@ -14,13 +14,16 @@
 //!
 //! | to find … | open |
 //! |---|---|
-//! | what happens at one path vertex | [`integrator`], `path.rs`: about 35 lines in the order of the rendering equation |
+//! | what happens at a path's vertices | [`integrator`], `path.rs`: in the order of the rendering equation, sixteen lanes at a time; one alone: `distribution.rs` |
+//! | how hits become such lanes | [`integrator`], `batch.rs` and `wave/gather.rs` |
 //! | how paths are kept in flight | [`integrator::wave`]: lanes, chunks of 16, compaction; it knows no physics |
 //! | how a hit becomes a point with normals and an error bound | [`shape::Surface`] |
+//! | one mesh in many places, things in motion | [`shape`], `instance.rs` and `motion.rs`; for rays: [`accel`], `instances/` |
 //! | a picture on a surface: texels, filters, normals from heights | [`texture`]; its files: `load/texture` |
 //! | how rays pass holes in surfaces | [`integrator`], `cutout.rs` |
 //! | a BRDF, a light, a camera, a filter, a sampler | one file each in [`bsdf`], [`light`], [`camera`], [`film`], [`sampler`] |
 //! | who intersects, and who judges | [`accel`]: the trait, Embree, our BVH, the f64 judge |
+//! | which mesh formats there are | [`load`], `format.rs`: a format is a file and a row; packed files and standard input: `unpack.rs`, `input.rs` |
 //! | how OBJ, MTL and scene files are read | [`load`] |
 //! | what is wrong with a mesh file | [`check`]: counts, topology, materials, findings |
 //! | what a picture file holds | [`output`], which sees only [`film::Image`] |

@@ -39,36 +39,16 @@ impl Lanes {
     /// A ray whose path ends with it.
     #[inline(always)]
     pub fn push(&mut self, ray: Ray, beta: Rgb, slot: u32) {
-        let (chunk, lane) = (self.len / LANES, self.len % LANES);
-        if chunk == self.rays.len() {
-            self.rays.push(Rays::default());
-            self.paths.push(Paths::EMPTY);
-        }
-        self.rays[chunk].set(lane, ray.o, ray.d, 0.0, ray.tmax);
-        let path = &mut self.paths[chunk];
-        (path.beta[0][lane], path.beta[1][lane], path.beta[2][lane]) = (beta.x, beta.y, beta.z);
-        path.slot[lane] = slot;
-        self.len += 1;
+        self.make_room();
+        self.put(ray, beta, slot);
     }
 
     /// A ray to follow, with all that its path carries.
     #[inline(always)]
     pub fn follow(&mut self, next: Extension, slot: u32) {
-        let (chunk, lane) = (self.len / LANES, self.len % LANES);
-        self.push(Ray { o: next.o, d: next.d, tmax: f32::INFINITY }, next.beta, slot);
-        let path = &mut self.paths[chunk];
-        path.pdf[lane] = next.pdf;
-        path.normal[lane] = next.normal;
-        path.branch[lane] = next.branch;
-    }
-
-    /// Room for one chunk more than there is.
-    #[inline(always)]
-    fn make_room(&mut self) {
-        while self.rays.len() <= self.len / LANES + 1 {
-            self.rays.push(Rays::default());
-            self.paths.push(Paths::EMPTY);
-        }
+        self.make_room();
+        let (path, lane) = self.put(Ray { o: next.o, d: next.d, tmax: f32::INFINITY }, next.beta, slot);
+        (path.pdf[lane], path.normal[lane], path.branch[lane]) = (next.pdf, next.normal, next.branch);
     }
 
     /// The rays `lanes` of `all`, in their order.
@@ -76,15 +56,9 @@ impl Lanes {
     pub fn follow_all(&mut self, lanes: Mask, all: &Extensions<'_>) {
         self.make_room();
         for_lanes(lanes, |from| {
-            let (chunk, lane) = (self.len / LANES, self.len % LANES);
-            self.rays[chunk].set(lane, all.o.get(from), all.d.get(from), 0.0, f32::INFINITY);
-            let path = &mut self.paths[chunk];
-            for (to, beta) in path.beta.iter_mut().zip([&all.beta.x, &all.beta.y, &all.beta.z]) {
-                to[lane] = beta[from];
-            }
-            (path.pdf[lane], path.normal[lane]) = (all.pdf[from], all.normal[from]);
-            (path.slot[lane], path.branch[lane]) = (all.slot[from], 0);
-            self.len += 1;
+            let ray = Ray { o: all.o.get(from), d: all.d.get(from), tmax: f32::INFINITY };
+            let (path, lane) = self.put(ray, all.beta.get(from), all.slot[from]);
+            (path.pdf[lane], path.normal[lane], path.branch[lane]) = (all.pdf[from], all.normal[from], 0);
         });
     }
 
@@ -99,15 +73,30 @@ impl Lanes {
     ) {
         self.make_room();
         for_lanes(lanes, |from| {
-            let (chunk, lane) = (self.len / LANES, self.len % LANES);
-            self.rays[chunk].set(lane, lights.o.get(from), lights.d.get(from), 0.0, lights.tmax[from]);
-            let path = &mut self.paths[chunk];
-            for (to, beta) in path.beta.iter_mut().zip([&radiance.x, &radiance.y, &radiance.z]) {
-                to[lane] = beta[from];
-            }
-            path.slot[lane] = slot[from];
-            self.len += 1;
+            let ray = Ray { o: lights.o.get(from), d: lights.d.get(from), tmax: lights.tmax[from] };
+            self.put(ray, radiance.get(from), slot[from]);
         });
+    }
+
+    /// Room for one chunk more than there is.
+    #[inline(always)]
+    fn make_room(&mut self) {
+        while self.rays.len() <= self.len / LANES + 1 {
+            self.rays.push(Rays::default());
+            self.paths.push(Paths::EMPTY);
+        }
+    }
+
+    /// Writes the next lane, for which there is room, and gives the place of what else its path carries.
+    #[inline(always)]
+    fn put(&mut self, ray: Ray, beta: Rgb, slot: u32) -> (&mut Paths, usize) {
+        let (chunk, lane) = (self.len / LANES, self.len % LANES);
+        self.len += 1;
+        self.rays[chunk].set(lane, ray.o, ray.d, 0.0, ray.tmax);
+        let path = &mut self.paths[chunk];
+        (path.beta[0][lane], path.beta[1][lane], path.beta[2][lane]) = (beta.x, beta.y, beta.z);
+        path.slot[lane] = slot;
+        (path, lane)
     }
 
     /// Takes the last lanes in whole chunks, at most `most` of them, leaving the rest.

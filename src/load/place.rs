@@ -3,7 +3,7 @@
 
 use crate::error::{Error, Result};
 use crate::math::{Aabb, DMat4, DVec3};
-use crate::shape::{FaceMaterials, Mesh};
+use crate::shape::{Bounds64, FaceMaterials, Mesh};
 use glam::{DAffine3, DMat3};
 use rayon::prelude::*;
 
@@ -69,49 +69,30 @@ impl Transform {
         self.matrix == DMat4::IDENTITY
     }
 
+    /// The box around what lies in `bounds`, whose coordinates are relative to `origin`, once it is moved.
+    pub fn extent(&self, bounds: &Aabb, origin: DVec3) -> Bounds64 {
+        let own = Bounds64::of(bounds);
+        let absolute = Bounds64 { min: own.min + origin, max: own.max + origin };
+        absolute.moved(&DAffine3::from_mat4(self.matrix))
+    }
+
     /// Turns right-handed things into left-handed ones.
     fn mirrors(&self) -> bool {
         DMat3::from_mat4(self.matrix).determinant() < 0.0
     }
 }
 
-/// A box in f64.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Extent {
-    min: DVec3,
-    max: DVec3,
-}
-
-impl Extent {
-    pub const EMPTY: Extent = Extent { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
-
-    /// Adds the transformed corners of a mesh's box; its coordinates are relative to `origin`.
-    #[must_use]
-    pub fn add(self, bounds: &Aabb, origin: DVec3, transform: &Transform) -> Extent {
-        if bounds.is_empty() {
-            return self;
-        }
-        let ends = [bounds.min.as_dvec3() + origin, bounds.max.as_dvec3() + origin];
-        (0..8usize).fold(self, |sum, i| {
-            let pick = |bit: usize| ends[i >> bit & 1];
-            let corner = DVec3::new(pick(0).x, pick(1).y, pick(2).z);
-            let p = transform.matrix.transform_point3(corner);
-            Extent { min: sum.min.min(p), max: sum.max.max(p) }
-        })
+/// Where scene coordinates begin, with everything in the box `extent`: zero, unless all lies so far away that f32 would
+/// lose the shape; then a multiple of a power of two near the middle, so that the subtraction is exact.
+pub(crate) fn origin_for(extent: &Bounds64) -> DVec3 {
+    const FAR: f64 = 0.5;
+    let size = (extent.max - extent.min).max_element();
+    let middle = (extent.min + extent.max) * 0.5;
+    if !(size > 0.0 && middle.is_finite() && middle.abs().max_element() > FAR * size) {
+        return DVec3::ZERO;
     }
-
-    /// Where scene coordinates begin: zero, unless all lies so far away that f32 would lose the shape; then a
-    /// multiple of a power of two near the middle, so that the subtraction is exact.
-    pub fn origin(&self) -> DVec3 {
-        const FAR: f64 = 0.5;
-        let size = (self.max - self.min).max_element();
-        let middle = (self.min + self.max) * 0.5;
-        if !(size > 0.0 && middle.is_finite() && middle.abs().max_element() > FAR * size) {
-            return DVec3::ZERO;
-        }
-        let unit = libm::ldexp(1.0, libm::frexp(size).1);
-        (middle / unit).round() * unit
-    }
+    let unit = libm::ldexp(1.0, libm::frexp(size).1);
+    (middle / unit).round() * unit
 }
 
 /// The mesh, relative to `from`, in its place relative to `to`; nothing is touched where nothing changes.
@@ -240,9 +221,7 @@ mod tests {
     fn far_meshes_keep_their_shape() {
         let far = DVec3::new(1e7, -2e7, 3e7);
         let transform = Transform::new(DMat4::from_scale(DVec3::splat(2.0))).unwrap();
-        let mut extent = Extent::EMPTY;
-        extent = extent.add(&tetrahedron().bounds(), far, &transform);
-        let origin = extent.origin();
+        let origin = origin_for(&transform.extent(&tetrahedron().bounds(), far));
         assert!((origin - far * 2.0).length() < 4.0, "{origin}");
         let mesh = place(tetrahedron(), far, origin, &transform, NormalsMode::File).unwrap();
         for (p, q) in mesh.positions.iter().zip(tetrahedron().positions.iter()) {
@@ -254,8 +233,9 @@ mod tests {
     #[test]
     fn near_scenes_keep_the_files_coordinates_and_their_memory() {
         let mesh = tetrahedron();
-        let extent = Extent::EMPTY.add(&mesh.bounds(), DVec3::new(0.25, 0.0, 0.0), &Transform::IDENTITY);
-        assert_eq!(extent.origin(), DVec3::ZERO);
+        let extent = Transform::IDENTITY.extent(&mesh.bounds(), DVec3::new(0.25, 0.0, 0.0));
+        assert_eq!(origin_for(&extent), DVec3::ZERO);
+        assert_eq!(origin_for(&Bounds64::EMPTY), DVec3::ZERO);
         let before = mesh.positions.as_ptr();
         let placed = place(mesh, DVec3::ZERO, DVec3::ZERO, &Transform::IDENTITY, NormalsMode::File).unwrap();
         assert_eq!(placed.positions.as_ptr(), before);

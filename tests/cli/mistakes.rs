@@ -192,3 +192,20 @@ fn what_would_be_lost_is_said() {
     name.expect(0, &[]);
     assert!(name.err.contains("\"clya\"; did you mean \"clay\"?"), "{}", name.err);
 }
+
+/// Mixtures of mixtures of mixtures: some are fine, and ten thousand are an error at the material that is too deep.
+#[test]
+fn mixtures_within_each_other_have_an_end() {
+    let folder = folder();
+    let dir = folder.path();
+    for (deep, code, words) in [(90, 0, [].as_slice()), (10_000, 1, &["too many other mixtures", "s.toml:"])]
+    {
+        let mut scene = SCENE.replace("material = \"clay\"", &format!("material = \"m{deep}\""));
+        scene += "[materials.m0]\ntype = \"mirror\"\n";
+        for i in 1..=deep {
+            scene += &format!("[materials.m{i}]\ntype = \"mix\"\nmaterials = [\"clay\", \"m{}\"]\n", i - 1);
+        }
+        fs::write(dir.join("s.toml"), scene).unwrap();
+        drt(dir, &["s.toml", "-o", "x.png"]).expect(code, words);
+    }
+}

@@ -8,6 +8,9 @@ use crate::load::scene_file::{Field, MaterialPatch, MeshPlan};
 use crate::math::Rgb;
 use std::collections::BTreeMap;
 
+/// How many mixtures may stand within each other: each is a call within the other's.
+const DEEPEST_MIX: usize = 100;
+
 /// A mesh's materials: scene ids by the file's ids, or one for all.
 #[derive(Clone, PartialEq)]
 pub enum Choice {
@@ -94,6 +97,9 @@ impl<'p> Palette<'p> {
         let blame = || patches.get(whole).map(|patch| patch as &MaterialPatch<'_>);
         if within.contains(&name) {
             return Err(blame().map_or_else(|| Error::new("a mixture of itself"), MaterialPatch::own_part));
+        }
+        if within.len() > DEEPEST_MIX {
+            return Err(blame().map_or_else(|| Error::new("too many mixtures"), MaterialPatch::too_deep));
         }
         let in_file = own.iter().find(|m| m.name == name);
         if in_file.is_none() && !patches.contains_key(name) {

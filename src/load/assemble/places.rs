@@ -10,12 +10,12 @@ use crate::bsdf::Parameter;
 use crate::error::{Error, Result};
 use crate::load::materials::MaterialSpec;
 use crate::load::object::Object;
-use crate::load::place::{Extent, NormalsMode, Transform, place, rename_materials};
+use crate::load::place::{NormalsMode, Transform, origin_for, place, rename_materials};
 use crate::load::scene_file::MeshPlan;
 use crate::load::texture::Slot;
 use crate::load::{Options, cancelled};
 use crate::math::{DVec3, Rgb};
-use crate::shape::{FaceMaterials, Instance, Instances, Mesh, Stage};
+use crate::shape::{Bounds64, FaceMaterials, Instance, Instances, Mesh, Stage};
 use glam::DAffine3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -63,11 +63,11 @@ pub fn scene_origin(placements: &[Placement], objects: &[Option<Object>], time: 
         return *first;
     }
     let bounds: Vec<_> = objects.iter().map(|o| o.as_ref().map(|o| (o.mesh.bounds(), o.origin))).collect();
-    let extent = placements.iter().fold(Extent::EMPTY, |sum, p| match bounds.get(p.file) {
-        Some(Some((bounds, origin))) => sum.add(bounds, *origin, &p.at(time)),
+    let extent = placements.iter().fold(Bounds64::EMPTY, |sum, p| match bounds.get(p.file) {
+        Some(Some((bounds, origin))) => sum.union(&p.at(time).extent(bounds, *origin)),
         _ => sum,
     });
-    extent.origin()
+    origin_for(&extent)
 }
 
 /// What a placement stands with: file and normals.

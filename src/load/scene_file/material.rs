@@ -197,6 +197,14 @@ impl MaterialPatch<'_> {
         self.field.error(format!("{} is mixed of itself", self.field.name()))
     }
 
+    /// The error of a mixture within too many others.
+    pub fn too_deep(&self) -> Error {
+        let name = self.field.name();
+        self.field
+            .error(format!("{name} is mixed within too many other mixtures"))
+            .advise("mix fewer materials of mixtures; a hundred within each other are the most")
+    }
+
     /// The material `base` with these changes.
     ///
     /// # Errors

@@ -52,8 +52,12 @@ fn all_ways_agree() {
                 let mut hits = Hits::default();
                 embree.closest_by(way, rays.check(mask), &mut hits);
                 let hit = hits.mesh.iter().filter(|&&m| m != MISS).count();
-                let blocked = embree.occluded_by(way, rays.check(mask)).count_ones() as usize;
-                assert_eq!([hit, blocked], bare.hits(), "{isa} {way:?}");
+                assert_eq!(hit, bare.hits()[0], "{isa} {way:?}");
+                // Never for any-hit, where Embree may loop for ever: see `Way::for_occluded`.
+                if way != Way::CoherentPacket {
+                    let blocked = embree.occluded_by(way, rays.check(mask)).count_ones() as usize;
+                    assert_eq!(blocked, bare.hits()[1], "{isa} {way:?}");
+                }
             }
         }
     }
