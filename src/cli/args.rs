@@ -135,6 +135,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "LIST", help_heading = "Picture")]
     pub aov: Option<String>,
 
+    /// Scale samples down whose brightest channel exceeds this radiance: no fireflies, and a picture that is too dark
+    #[arg(long, value_name = "RADIANCE", help_heading = "Picture", allow_negative_numbers = true)]
+    pub clamp: Option<String>,
+
     /// Set any key of the scene file, e.g. film.filter=gaussian; repeat for several
     #[arg(long, value_name = "KEY=VALUE", help_heading = "Picture", action = ArgAction::Append)]
     pub set: Vec<String>,
@@ -219,6 +223,7 @@ impl RenderArgs {
             ("--spp", "render.spp", &self.spp),
             ("--seed", "render.seed", &self.seed),
             ("--max-depth", "render.max_depth", &self.max_depth),
+            ("--clamp", "film.clamp", &self.clamp),
         ];
         for (flag, key, word) in numbers {
             if let Some(word) = word {

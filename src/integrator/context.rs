@@ -50,6 +50,8 @@ pub struct Context<'a> {
     pub has_cutouts: bool,
     /// True when an instance shines, which no light sample finds.
     pub has_moving_lamps: bool,
+    /// What the brightest channel of a sample is clamped to; infinite where nothing is.
+    pub brightest: f64,
     /// Width and height of the full picture.
     pub size: [u32; 2],
 }
@@ -110,6 +112,7 @@ impl<'a> Context<'a> {
             has_maps: scene.materials.iter().any(|m| m.maps.is_some()),
             has_cutouts,
             has_moving_lamps: has_moving_lamps(scene),
+            brightest: settings.clamp.map_or(f64::INFINITY, f64::from),
             size: settings.size,
         })
     }

@@ -96,7 +96,7 @@ impl Wave {
             self.stats.intersect_seconds += lap(&mut clock);
             piece = self.next_piece(job.integrator, depth + 1);
         }
-        self.finish(tile);
+        self.finish(job, tile);
         self.stats.rest_seconds += lap(&mut clock);
         true
     }
@@ -313,12 +313,14 @@ impl Wave {
 
     /// Adds the samples to the film; one that is not a colour is dropped and counted (it adds black).
     #[inline(always)]
-    fn finish(&mut self, tile: &mut Tile) {
+    fn finish<I>(&mut self, job: &Job<'_, I>, tile: &mut Tile) {
         for slot in &self.pushed.slots {
             let c = slot.radiance;
             let sound = c.is_finite() && c.min_element() >= 0.0;
             self.stats.invalid_samples += u64::from(!sound);
-            tile.add(slot.pixel as usize, if sound { c } else { DVec3::ZERO }, slot.weight);
+            // Scaled rather than cut, so that a clamped sample keeps its hue.
+            let excess = (c.max_element() / job.cx.brightest).max(1.0);
+            tile.add(slot.pixel as usize, if sound { c / excess } else { DVec3::ZERO }, slot.weight);
         }
     }
 }

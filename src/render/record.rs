@@ -41,6 +41,7 @@ fn settings(s: &Settings, scene: &Scene, accel: Option<&dyn Intersector>) -> Val
             "filter": filter,
             "rule": rule_json(s.rule),
             "quantity": s.quantity.name(),
+            "clamp": s.clamp,
         },
         "render": {
             "integrator": integrator_json(&s.integrator),

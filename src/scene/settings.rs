@@ -207,6 +207,9 @@ pub struct Settings {
     pub rule: PixelRule,
     /// What a pixel holds.
     pub quantity: Quantity,
+    /// The most that the brightest channel of one sample may bring; brighter samples are scaled down to it, which takes
+    /// fireflies and truth alike. `None`: nothing is clamped.
+    pub clamp: Option<f32>,
     /// Layers of the first hit.
     pub aovs: Vec<Aov>,
     /// What is computed.
@@ -239,6 +242,7 @@ impl Default for Settings {
             filter: Filter::Box { radius: 0.5 },
             rule: PixelRule::Sampler,
             quantity: Quantity::Radiance,
+            clamp: None,
             aovs: Vec::new(),
             integrator: IntegratorKind::Path,
             lights: LightSampling::Mis,

@@ -104,6 +104,26 @@ fn the_scale_of_the_world_does_not_matter() {
     });
 }
 
+/// A sample is 3.5·(4, 2, 1) in the lamp and (1, 2, 4)/8 in the sky: the clamp scales the one to its limit, hue and all,
+/// and leaves the other alone; a limit above both changes no bit.
+#[test]
+fn n3_a_clamp_scales_bright_samples_and_no_others() {
+    let toml = "[camera]\nposition = [0, 0, 9]\nlook_at = [0, 0, 0]\n[film]\nsize = [24, 24]\n[render]\nspp = 4\n\
+                [[mesh]]\nfile = \"cube.obj\"\nmaterial = \"lamp\"\n\
+                [materials.lamp]\ntype = \"diffuse\"\nreflectance = 0.0\nemission = [14, 7, 3.5]\n\
+                [[light]]\ntype = \"environment\"\nradiance = [0.125, 0.25, 0.5]\n";
+    on_every_backend(|backend| {
+        let at = |set: &[&str]| stage(&toml, &[("cube.obj", cube())], backend, set).render(|_| ()).0.rgb_pixels();
+        let plain = at(&[]);
+        assert_eq!(plain, at(&["film.clamp=14"]));
+        let clamped = at(&["film.clamp=2"]);
+        for (lamp, sky) in [(276, 0), (300, 23)] {
+            assert_eq!((plain[lamp], plain[sky]), ([14.0, 7.0, 3.5], [0.125, 0.25, 0.5]));
+            assert_eq!((clamped[lamp], clamped[sky]), ([2.0, 1.0, 0.5], [0.125, 0.25, 0.5]));
+        }
+    });
+}
+
 /// First hits agree between the backends wherever no two triangles tie.
 #[test]
 fn backends_see_the_same_first_hits() {

@@ -38,6 +38,9 @@ pub(super) fn read<'t>(mut film: Section<'t>, settings: &mut Settings) -> Result
     if let Some(filter) = film.read("filter", filter)? {
         settings.filter = filter;
     }
+    if let Some(clamp) = film.read("clamp", |f| f.number(1e-6..=1e18))? {
+        settings.clamp = Some(clamp as f32);
+    }
     if let Some(aovs) = film.read("aov", aovs)? {
         settings.aovs = aovs;
     }
