@@ -62,15 +62,15 @@ def main():
         out.write(f"""# {words.count} of {words.mesh.name}: made by scenes/make_forest.py.
 
 [camera]
-position = [0, 5.5, {5 * step:.3f}]
-look_at = [0, 1.2, {-6 * step:.3f}]
+position = [0, 3.4, {3.5 * step:.3f}]
+look_at = [0, 0.9, {-6 * step:.3f}]
 fov = 40
 
 [film]
-size = [1280, 720]
+size = [640, 360]
 
 [render]
-spp = 64
+spp = 48
 max_depth = 6
 
 [[light]]

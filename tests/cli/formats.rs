@@ -307,6 +307,7 @@ fn a14_a18_damaged_files_of_every_format_are_safe() {
     let ring = Ring::new();
     let (text, data) = ring.gltf(true, Some("d.bin"));
     fs::write(folder.path().join("d.bin"), data).unwrap();
+    let rounds = if std::env::var_os("DRT_HEAVY_TESTS").is_some() { 4000 } else { 400 };
     let mut all_refused = 0;
     let mut state = 1u64;
     let mut below = |n: usize| {
@@ -326,7 +327,7 @@ fn a14_a18_damaged_files_of_every_format_are_safe() {
     ] {
         let file = folder.path().join(name);
         let (mut read, mut refused) = (0, 0);
-        for round in 0..400 {
+        for round in 0..rounds {
             let mut damaged = bytes.clone();
             if round % 4 == 0 {
                 damaged.truncate(below(bytes.len()));
@@ -353,8 +354,8 @@ fn a14_a18_damaged_files_of_every_format_are_safe() {
             }
         }
         // Every fifth is whole unless it is cut.
-        assert!(read > 40, "{name}: {read} read, {refused} refused");
+        assert!(read > rounds / 10, "{name}: {read} read, {refused} refused");
         all_refused += refused;
     }
-    assert!(all_refused > 400, "{all_refused} refused");
+    assert!(all_refused > rounds, "{all_refused} refused");
 }

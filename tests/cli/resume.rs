@@ -168,6 +168,7 @@ fn d6_another_renders_checkpoint_is_refused_with_the_reason() {
         (&["--max-depth", "3"], "render.max_depth"),
         (&["--crop", "0,0,8,8"], "film.crop"),
         (&["--aov", "depth"], "film.aov"),
+        (&["--clamp", "2"], "film.clamp = nothing, and now it is 2"),
         (&["--sampler", "random"], "render.sampler"),
         (&["--set", "film.filter=gaussian"], "film.filter"),
         (&["--set", "render.build=high"], "render.build"),

@@ -1,7 +1,7 @@
 //! Rows N of the table of failures: what is not a number, what is too bright, what is too thin.
 
-use super::folder;
 use super::universal::{Run, engines};
+use super::{drt, folder};
 use drt::film::Image;
 use std::fs;
 use std::path::Path;
@@ -86,6 +86,15 @@ fn n3_nothing_is_clamped() {
         let (few, many) = (mean("16"), mean("1024"));
         assert!(many > 1e3, "{many}");
         assert!((few / many - 1.0).abs() < 0.1, "{few} with few samples, {many} with many");
+        // Unless it is asked for, which the picture tells.
+        let seen = &["--max-depth", "0", "--spp", "1", "--clamp", "4.5"];
+        let (image, bytes) = sound(dir, "lamp.toml", seen, &engine);
+        assert_eq!(brightest(&image), 4.5);
+        let says = br#""clamp":4.5"#;
+        assert!(bytes.windows(says.len()).any(|part| part == says), "the settings do not say it");
+    }
+    for wrong in ["0", "-1", "nan", "much"] {
+        drt(dir, &["lamp.toml", "--clamp", wrong]).expect(2, &["--clamp"]);
     }
 }
 

@@ -113,7 +113,8 @@ fn n3_a_clamp_scales_bright_samples_and_no_others() {
                 [materials.lamp]\ntype = \"diffuse\"\nreflectance = 0.0\nemission = [14, 7, 3.5]\n\
                 [[light]]\ntype = \"environment\"\nradiance = [0.125, 0.25, 0.5]\n";
     on_every_backend(|backend| {
-        let at = |set: &[&str]| stage(&toml, &[("cube.obj", cube())], backend, set).render(|_| ()).0.rgb_pixels();
+        let at =
+            |set: &[&str]| stage(&toml, &[("cube.obj", cube())], backend, set).render(|_| ()).0.rgb_pixels();
         let plain = at(&[]);
         assert_eq!(plain, at(&["film.clamp=14"]));
         let clamped = at(&["film.clamp=2"]);
