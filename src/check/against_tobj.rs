@@ -4,7 +4,7 @@ use super::mesh::short;
 use crate::error::{Error, Finding, Findings, Result, Severity};
 use crate::load::obj::ReadOptions;
 use crate::load::object::Object;
-use crate::load::open::{find, open_regular};
+use crate::load::open::{Finder, Reach};
 use crate::load::{Opening, Reading, cancelled, is_mesh, read};
 use crate::math::DVec3;
 use std::collections::BTreeSet;
@@ -20,22 +20,23 @@ type Triangle = [DVec3; 3];
 /// Reads the mesh `input` with both readers and says where they differ, or that they agree.
 ///
 /// Triangles are compared by the positions of their corners, in the order of the file, without those that have no
-/// area. A polygon that is no triangle may be split differently by the two, which is reported too.
+/// area. A polygon that is no triangle may be split differently by the two, which is reported
+/// too. `reach`: the files that may be read.
 ///
 /// # Errors
 /// `input` is no mesh or our reader cannot read it. What tobj cannot read is a finding.
-pub fn compare(input: &Path, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Findings> {
+pub fn compare(input: &Path, reach: &Reach, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Findings> {
     let is_obj = input.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
     if !is_mesh(input, &Opening::default())? || !is_obj {
         return Err(Error::usage("--against: only an OBJ file can be compared").advise("name an .obj"));
     }
     let options = ReadOptions { progress, keep_empty: true, face_lines: true, ..ReadOptions::default() };
-    let object = read(input, &Reading { options, ..Reading::new(progress) })?;
+    let object = read(input, &Reading { options, reach, ..Reading::new(progress) })?;
     let mut findings = Findings::default();
     let mut note = |kind, severity, line, message| {
         findings.push(Finding { file: input.to_path_buf(), line, kind, message, severity });
     };
-    let theirs = match Theirs::read(input)? {
+    let theirs = match Theirs::read(input, reach)? {
         Ok(theirs) => theirs,
         Err(why) => {
             note("tobj-cannot-read", Severity::Note, 0, format!("tobj refuses the file: {why}"));
@@ -124,7 +125,7 @@ struct Theirs {
 
 impl Theirs {
     /// The inner error is tobj's own, which quotes nothing.
-    fn read(input: &Path) -> Result<std::result::Result<Theirs, tobj::LoadError>> {
+    fn read(input: &Path, reach: &Reach) -> Result<std::result::Result<Theirs, tobj::LoadError>> {
         let options = tobj::LoadOptions {
             triangulate: true,
             ignore_points: true,
@@ -133,13 +134,13 @@ impl Theirs {
         };
         let folder = input.parent().unwrap_or(Path::new(""));
         let library = |name: &Path| {
-            let found = find(folder, name.as_os_str().as_encoded_bytes());
-            match found.map(|found| open_regular(&found.path)) {
+            let found = Finder::new(reach).find(folder, name.as_os_str().as_encoded_bytes());
+            match found.map(|found| reach.open(&found.path)) {
                 Some(Ok((file, _))) => tobj::load_mtl_buf(&mut BufReader::new(file)),
                 _ => Err(tobj::LoadError::OpenFileFailed),
             }
         };
-        let (file, _) = open_regular(input)?;
+        let (file, _) = reach.open(input)?;
         let models = match tobj::load_obj_buf(&mut BufReader::new(file), &options, library) {
             Ok((models, _)) => models,
             Err(why) => return Ok(Err(why)),

@@ -3,12 +3,13 @@
 use crate::error::{Finding, Findings, Severity};
 use crate::load::mtl::MtlMaterial;
 use crate::load::object::Object;
-use crate::load::open::Finder;
-use crate::load::picture::texels::probe;
-use crate::load::texture::{Source, StatedTexture};
+use crate::load::open::Reach;
+use crate::load::picture::texels::{Trouble, probe};
+use crate::load::texture::{Source, Sources, StatedTexture};
 use crate::math::Rgb;
 use crate::scene::Scene;
 use crate::shape::{FaceMaterials, Mesh};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// A material and its use.
@@ -119,34 +120,50 @@ pub(super) fn of_scene(scene: &Scene, uses: &[u64]) -> Vec<MaterialReport> {
     scene.materials.iter().zip(uses).map(report).collect()
 }
 
-/// Says of a scene's materials where a mesh file's libraries define them.
-pub(super) fn name_places(materials: &mut [MaterialReport], object: &Object) {
-    for (material, definition) in object.materials.iter().zip(&object.definitions) {
-        let Some(definition) = definition else { continue };
-        for report in materials.iter_mut().filter(|m| m.defined.is_none() && m.name == material.name) {
-            report.defined = Some(place(definition));
+/// Where mesh files' libraries define materials, by name; of several definitions the first.
+#[derive(Default)]
+pub(super) struct Places(HashMap<String, (PathBuf, u64)>);
+
+impl Places {
+    /// Adds what the libraries of `object` define.
+    pub fn add(&mut self, object: &Object) {
+        for (material, definition) in object.materials.iter().zip(&object.definitions) {
+            if let Some(definition) = definition {
+                self.0.entry(material.name.clone()).or_insert_with(|| place(definition));
+            }
+        }
+    }
+
+    /// Says it of a scene's materials.
+    pub fn name(&self, materials: &mut [MaterialReport]) {
+        for report in materials {
+            report.defined = self.0.get(&report.name).cloned();
         }
     }
 }
 
 /// Every texture of `definitions`; one that is there and cannot be shown is a finding. (That one is missing, the
 /// reader says.)
-pub(super) fn textures(definitions: &[Option<MtlMaterial>], findings: &mut Findings) -> Vec<TextureReport> {
-    let mut finder = Finder::default();
+pub(super) fn textures(
+    definitions: &[Option<MtlMaterial>],
+    reach: &Reach,
+    findings: &mut Findings,
+) -> Vec<TextureReport> {
+    let mut sources = Sources::new(reach);
     let mut reports = Vec::new();
     for material in definitions.iter().flatten() {
         let folder = material.library.parent().unwrap_or(Path::new(""));
         for (key, texture) in material.textures() {
             let name = texture.value.file.as_os_str().as_encoded_bytes();
-            let source = Source::find(&mut finder, folder, name).map(|found| found.0);
+            let source = sources.find(folder, name).map(|found| found.0);
             let (file, line) = (material.library.clone(), texture.line);
             let size = source.as_ref().and_then(|source| {
-                let trouble = match size_of(source) {
+                let trouble = match size_of(source, reach) {
                     Ok(size) => return Some(size),
                     Err(trouble) => trouble,
                 };
-                let message = format!("{}: {key}: the file {trouble}", material.title());
-                let (kind, severity) = ("texture-unreadable", Severity::Warning);
+                let message = format!("{}: {key}: the file {}", material.title(), trouble.message());
+                let (kind, severity) = (trouble.kind(), Severity::Warning);
                 findings.push(Finding { file: file.clone(), line, kind, message, severity });
                 None
             });
@@ -166,14 +183,14 @@ pub(super) fn textures(definitions: &[Option<MtlMaterial>], findings: &mut Findi
 }
 
 /// The size of the first picture, or what is wrong with one of them.
-fn size_of(source: &Source) -> Result<[u32; 2], String> {
-    let sizes: Result<Vec<[u32; 2]>, String> =
-        source.places().map(|place| probe(place).map(|probe| probe.size).map_err(|e| e.message())).collect();
-    sizes?.first().copied().ok_or_else(|| "was not found".to_string())
+fn size_of(source: &Source, reach: &Reach) -> Result<[u32; 2], Trouble> {
+    let sizes: Result<Vec<[u32; 2]>, Trouble> =
+        source.places().map(|place| probe(place, reach).map(|probe| probe.size)).collect();
+    sizes?.first().copied().ok_or(Trouble::Empty)
 }
 
 /// The textures that a scene file states itself. What is wrong with them, the reading of the scene says.
-pub(super) fn textures_of_scene(stated: &[StatedTexture]) -> Vec<TextureReport> {
+pub(super) fn textures_of_scene(stated: &[StatedTexture], reach: &Reach) -> Vec<TextureReport> {
     let report = |stated: &StatedTexture| TextureReport {
         library: stated.file.clone(),
         material: stated.material.clone(),
@@ -181,7 +198,7 @@ pub(super) fn textures_of_scene(stated: &[StatedTexture]) -> Vec<TextureReport> 
         key: stated.key.to_string(),
         tiles: stated.source.places().filter(|place| place.exists()).count(),
         path: stated.source.places().filter(|place| place.exists()).find_map(|place| place.path().cloned()),
-        size: size_of(&stated.source).ok(),
+        size: size_of(&stated.source, reach).ok(),
     };
     stated.iter().map(report).collect()
 }

@@ -25,6 +25,7 @@ pub use topology::Topology;
 
 use crate::error::{Error, Finding, Findings, Result};
 use crate::load::object::Object;
+use crate::load::open::Reach;
 use crate::load::texture::StatedTexture;
 use crate::load::{self, Opening, Reading, obj::ReadOptions};
 use std::path::{Path, PathBuf};
@@ -67,30 +68,44 @@ pub(crate) fn out_of_memory() -> Error {
     Error::new("not enough memory to check the mesh").advise("use a machine with more memory")
 }
 
-/// Checks the mesh (of any of the [`load::FORMATS`]; `-` is standard input) or scene file (`.toml`) `input`. `progress` hears the share of the reading done (0 to
-/// 1); its `false` cancels with [`load::cancelled`].
+/// Checks the mesh (of any of the [`load::FORMATS`]; `-` is standard input) or scene file (`.toml`) `input`. `reach`: the
+/// files that may be read. `progress` hears the share of the reading done (0 to 1); its `false` cancels with
+/// [`load::cancelled`].
 ///
 /// # Errors
 /// What cannot be read at all; for scenes, everything that [`load::scene`] refuses.
-pub fn check(input: &Path, opening: Opening, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
+pub fn check(
+    input: &Path,
+    opening: Opening,
+    reach: &Reach,
+    progress: &(dyn Fn(f64) -> bool + Sync),
+) -> Result<Report> {
     if input != Path::new(load::STDIN) {
         load::open::open_regular(input)?;
     }
     match load::is_mesh(input, &opening)? {
-        true => check_object(input, opening, progress),
-        false => check_scene(input, Opening { format: None, ..opening }, progress),
+        true => check_object(input, Job { opening, reach, progress }),
+        false => check_scene(input, Job { opening: Opening { format: None, ..opening }, reach, progress }),
     }
+}
+
+/// How to read, and who hears of it.
+#[derive(Clone, Copy)]
+struct Job<'a> {
+    opening: Opening,
+    reach: &'a Reach,
+    progress: &'a (dyn Fn(f64) -> bool + Sync),
 }
 
 /// A mesh file and what it shows of itself. `defined`: the materials that need no library.
 fn read(
     file: &Path,
-    opening: Opening,
-    progress: &(dyn Fn(f64) -> bool + Sync),
+    job: Job<'_>,
     defined: &dyn Fn(&[u8]) -> bool,
 ) -> Result<(Object, MeshReport, Findings)> {
+    let Job { opening, reach, progress } = job;
     let options = ReadOptions { progress, keep_empty: true, face_lines: true, ..ReadOptions::default() };
-    let mut object = load::read(file, &Reading { options, opening, defined })?;
+    let mut object = load::read(file, &Reading { options, opening, reach, defined })?;
     let mut findings = std::mem::take(&mut object.findings);
     let going_on = || if progress(1.0) { Ok(()) } else { Err(load::cancelled()) };
     going_on()?;
@@ -104,11 +119,12 @@ fn read(
     Ok((object, mesh, findings))
 }
 
-fn check_object(input: &Path, opening: Opening, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
-    let (object, mesh, mut findings) = read(input, opening, progress, &|_| false)?;
+fn check_object(input: &Path, job: Job<'_>) -> Result<Report> {
+    let (object, mesh, mut findings) = read(input, job, &|_| false)?;
     let uses = materials::uses([(&object.mesh, 1)], object.materials.len());
-    let mut textures = materials::textures(&object.definitions, &mut findings);
-    textures.append(&mut materials::textures_of_scene(&StatedTexture::of(&object.materials, input)));
+    let mut textures = materials::textures(&object.definitions, job.reach, &mut findings);
+    let stated = StatedTexture::of(&object.materials, input);
+    textures.append(&mut materials::textures_of_scene(&stated, job.reach));
     let materials = materials::of_object(&object, &uses);
     Ok(Report {
         input: input.to_path_buf(),
@@ -124,8 +140,10 @@ fn check_object(input: &Path, opening: Opening, progress: &(dyn Fn(f64) -> bool 
     })
 }
 
-fn check_scene(input: &Path, opening: Opening, progress: &(dyn Fn(f64) -> bool + Sync)) -> Result<Report> {
-    let loaded = load::scene(input, load::Options { progress, opening, ..load::Options::default() })?;
+fn check_scene(input: &Path, job: Job<'_>) -> Result<Report> {
+    let Job { opening, reach, progress } = job;
+    let options = load::Options { progress, opening, reach: reach.clone(), ..load::Options::default() };
+    let loaded = load::scene(input, options)?;
     let scene = &loaded.scene;
     let uses = materials::uses_in(scene);
     let bounds = scene.bounds();
@@ -139,7 +157,7 @@ fn check_scene(input: &Path, opening: Opening, progress: &(dyn Fn(f64) -> bool +
         emitting_triangles: 0,
         meshes: Vec::new(),
         materials: materials::of_scene(scene, &uses),
-        textures: materials::textures_of_scene(&loaded.textures),
+        textures: materials::textures_of_scene(&loaded.textures, reach),
         findings: Findings::default(),
     };
     // The meshes' own findings come again, with lines, when their files are looked at one by one; but which
@@ -149,16 +167,18 @@ fn check_scene(input: &Path, opening: Opening, progress: &(dyn Fn(f64) -> bool +
     of_scene.into_iter().for_each(|finding| report.findings.push(finding));
     let files: Vec<PathBuf> = loaded.files.iter().take(loaded.mesh_files).cloned().collect();
     drop(loaded);
+    let mut places = materials::Places::default();
     for file in files {
-        let (object, mesh, findings) = read(&file, opening, progress, &|_| true)?;
+        let (object, mesh, findings) = read(&file, job, &|_| true)?;
         report.findings.append(findings);
-        report.textures.append(&mut materials::textures(&object.definitions, &mut report.findings));
-        report
-            .textures
-            .append(&mut materials::textures_of_scene(&StatedTexture::of(&object.materials, &file)));
-        materials::name_places(&mut report.materials, &object);
+        let of_mtl = materials::textures(&object.definitions, reach, &mut report.findings);
+        report.textures.extend(of_mtl);
+        let stated = StatedTexture::of(&object.materials, &file);
+        report.textures.extend(materials::textures_of_scene(&stated, reach));
+        places.add(&object);
         report.meshes.push(mesh);
     }
+    places.name(&mut report.materials);
     report.emitting_triangles = report.materials.iter().filter(|m| m.emits).map(|m| m.triangles).sum();
     Ok(report)
 }

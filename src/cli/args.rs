@@ -4,6 +4,7 @@ use super::console::{Console, Verbosity};
 use super::machine;
 use super::progress::Style;
 use super::render::threads;
+use super::secure::SecureArgs;
 use clap::{ArgAction, Args, Parser, Subcommand};
 use drt::error::{Error, Result};
 use drt::load::Override;
@@ -58,6 +59,9 @@ pub struct StudyArgs {
     /// Threads, 1 to 1024 (all by default); nothing but what was timed depends on it
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub threads: Option<String>,
+
+    #[command(flatten)]
+    pub files: SecureArgs,
 
     /// Show progress on stderr: auto (a bar in a terminal), plain, json, none
     #[arg(long, value_name = "STYLE")]
@@ -192,6 +196,9 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     pub checkpoint: super::checkpoint::CheckpointArgs,
+
+    #[command(flatten)]
+    pub files: SecureArgs,
 
     /// Write what was counted and timed as JSON; `-`: to standard output
     #[arg(long, value_name = "FILE", help_heading = "Messages")]

@@ -4,11 +4,13 @@ mod as_json;
 mod page;
 
 use super::console::{summary, write_stdout};
+use super::secure::SecureArgs;
 use super::signals::Signals;
 use super::{Failure, machine};
 use clap::Args;
 use drt::check::{self, Report};
 use drt::error::{Error, Result, Severity, unknown_word_advice};
+use drt::load::open::Reach;
 use std::path::{Path, PathBuf};
 
 /// The flags of `drt check`.
@@ -32,6 +34,9 @@ pub struct CheckArgs {
     /// Compare what is read with another reader's result: tobj (in builds with the feature of that name)
     #[arg(long, value_name = "READER")]
     pub against: Option<String>,
+
+    #[command(flatten)]
+    pub files: SecureArgs,
 }
 
 /// Checks, prints, and fails if something is wrong.
@@ -48,9 +53,10 @@ pub fn run(args: &CheckArgs) -> Result<(), Failure> {
     let pool = pool.map_err(|e| Error::new(format!("cannot start {threads} threads: {e}")))?;
     let progress = |_| !signals.stop();
     let work = || {
-        let mut report = check::check(&args.input, opening, &progress)?;
+        let reach = args.files.reach(&args.input)?;
+        let mut report = check::check(&args.input, opening, &reach, &progress)?;
         if let Some(against) = against {
-            report.findings.append(against(&args.input, &progress)?);
+            report.findings.append(against(&args.input, &reach, &progress)?);
         }
         Ok(report)
     };
@@ -78,7 +84,7 @@ fn judge(report: &Report, strict: bool) -> Result<()> {
     Err(Error::new(if total == count { first } else { format!("{first}; {total} {word}") }))
 }
 
-type Against = fn(&Path, &(dyn Fn(f64) -> bool + Sync)) -> Result<drt::error::Findings>;
+type Against = fn(&Path, &Reach, &(dyn Fn(f64) -> bool + Sync)) -> Result<drt::error::Findings>;
 
 /// The comparison with the reader of that name.
 fn against(name: &str) -> Result<Against> {

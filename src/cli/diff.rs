@@ -111,7 +111,8 @@ fn make(folder: &Path) -> Result<()> {
 
 impl Job {
     fn work(&self) -> Result<(), Failure> {
-        if let Some(reproducer) = Reproducer::read(&self.args.input)? {
+        let reach = self.args.study.files.reach(&self.args.input)?;
+        if let Some(reproducer) = Reproducer::read(&self.args.input, &reach)? {
             let report = self.replay(&reproducer, &self.contestants)?;
             return self.conclude(&report, &reproducer.meshes, None);
         }
@@ -155,7 +156,9 @@ impl Job {
         };
         let overrides =
             self.args.study.set.iter().map(|text| Override::parse(text)).collect::<Result<_>>()?;
-        load::scene(&self.args.input, load::Options { overrides, progress: &progress, ..Default::default() })
+        let reach = self.args.study.files.reach(&self.args.input)?;
+        let options = load::Options { overrides, reach, progress: &progress, ..Default::default() };
+        load::scene(&self.args.input, options)
     }
 
     fn ended_early(&self, doing: &str, error: Error) -> Failure {

@@ -14,6 +14,7 @@ mod panics;
 mod paths;
 mod progress;
 mod render;
+mod secure;
 mod signals;
 mod stats;
 mod words;

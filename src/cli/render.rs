@@ -263,6 +263,7 @@ impl Job {
                         super::args::bytes("--max-texture-bytes", word)
                     })?,
                 opening: args.opening.opening()?,
+                reach: args.files.reach(&self.input)?,
                 progress: &progress,
             },
         )

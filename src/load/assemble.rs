@@ -10,6 +10,7 @@ use super::auto::{self, Sky};
 use super::framing::CameraPlan;
 use super::materials::MaterialSpec;
 use super::object::Object;
+use super::open::Reach;
 use super::scene_file::{LightPlan, MaterialPatch, MeshPlan, Plan};
 use super::sky::{SkyPicture, SkySource};
 use super::texture;
@@ -21,6 +22,7 @@ use lights::{is_dark, lamp, moved, place_light};
 use palette::{Choice, Palette};
 use places::{Placement, Stock, place_all, scene_origin};
 use seen::seen;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -106,7 +108,11 @@ pub(super) fn assemble(
             files.paths.push(picture.file.clone());
         }
     }
-    let job = texture::Job { most_bytes: options.max_texture_bytes, progress: options.progress };
+    let job = texture::Job {
+        reach: &options.reach,
+        most_bytes: options.max_texture_bytes,
+        progress: options.progress,
+    };
     let specs = palette.specs();
     let textures = texture::StatedTexture::of(&specs, input);
     // Both kinds of meshes at once, so that a material's warnings are told once.
@@ -140,9 +146,10 @@ struct Files {
 }
 
 /// Refuses a mesh file that cannot be opened, at the place that names it and before the first one is read.
-fn check_files(meshes: &[MeshPlan<'_>]) -> Result<()> {
-    for mesh in meshes.iter().filter(|mesh| mesh.file != Path::new(STDIN)) {
-        if let Err(why) = super::open::open_regular(&mesh.file) {
+fn check_files(meshes: &[MeshPlan<'_>], reach: &Reach) -> Result<()> {
+    let mut seen = HashSet::from([Path::new(STDIN)]);
+    for mesh in meshes.iter().filter(|mesh| seen.insert(&mesh.file)) {
+        if let Err(why) = reach.open(&mesh.file) {
             let mut error = mesh.field.error(format!("{}: {}", show_path(&mesh.file), why.message));
             let relative = "a relative path starts in the scene file's folder";
             error.advice = why.advice.or_else(|| mesh.file.is_relative().then(|| relative.to_string()));
@@ -155,12 +162,17 @@ fn check_files(meshes: &[MeshPlan<'_>]) -> Result<()> {
 /// Reads every file once.
 fn read_objects(plan: &Plan<'_>, options: &Options<'_>) -> Result<(Files, Vec<Option<Object>>)> {
     let meshes = &plan.meshes;
-    check_files(meshes)?;
+    check_files(meshes, &options.reach)?;
     let mut paths: Vec<PathBuf> = Vec::new();
+    // By path, and by what it leads to: a file has many names and is read once.
+    let mut by_path: HashMap<&Path, usize> = HashMap::new();
+    let mut by_file: HashMap<PathBuf, usize> = HashMap::new();
     let of_mesh = meshes.iter().map(|mesh| {
-        paths.iter().position(|p| *p == mesh.file).unwrap_or_else(|| {
-            paths.push(mesh.file.clone());
-            paths.len() - 1
+        *by_path.entry(&mesh.file).or_insert_with(|| {
+            *by_file.entry(super::open::real(&mesh.file)).or_insert_with(|| {
+                paths.push(mesh.file.clone());
+                paths.len() - 1
+            })
         })
     });
     let of_mesh: Vec<usize> = of_mesh.collect();
@@ -177,7 +189,8 @@ fn read_objects(plan: &Plan<'_>, options: &Options<'_>) -> Result<(Files, Vec<Op
                 let name = std::str::from_utf8(name).ok();
                 name.and_then(|name| plan.materials.get(name)).is_some_and(MaterialPatch::is_whole)
             };
-            let reading = Reading { opening: options.opening, defined: &is_whole, ..Reading::new(&progress) };
+            let (opening, reach) = (options.opening, &options.reach);
+            let reading = Reading { opening, reach, defined: &is_whole, ..Reading::new(&progress) };
             super::read(path, &reading).map(Some)
         })
         .collect();
@@ -226,7 +239,7 @@ pub(super) fn apply_look(plan: &mut Plan<'_>, is_bare: bool, options: &Options<'
     plan.lights.push(match sky {
         SkySource::BuiltIn(sky) => LightPlan::Sky { sky, up: None, scale: 1.0 },
         SkySource::Picture(file) => {
-            let picture = SkyPicture::read(&file)?;
+            let picture = SkyPicture::read(&file, &Reach::Anywhere)?;
             LightPlan::Picture { picture, scale: 1.0, rotate: 0.0, up: options.up.map(auto::Up::vector) }
         }
     });

@@ -3,6 +3,7 @@
 
 use super::input::{Input, ReadingProgress, STDIN};
 use super::object::Object;
+use super::open::Reach;
 use super::unpack;
 use super::{gltf, obj, ply, stl, wavefront};
 use crate::error::{Error, Result, unknown_word_advice};
@@ -38,6 +39,8 @@ pub(crate) struct Reading<'a> {
     pub options: obj::ReadOptions<'a>,
     /// How the file is opened.
     pub opening: Opening,
+    /// The files that may be read, this one and those that it names.
+    pub reach: &'a Reach,
     /// The materials that need no definition.
     pub defined: &'a dyn Fn(&[u8]) -> bool,
 }
@@ -46,7 +49,7 @@ impl<'a> Reading<'a> {
     /// The whole file; `progress` hears the share done, and its `false` cancels.
     pub fn new(progress: ReadingProgress<'a>) -> Reading<'a> {
         let options = obj::ReadOptions { progress, ..obj::ReadOptions::default() };
-        Reading { options, opening: Opening::default(), defined: &|_| false }
+        Reading { options, opening: Opening::default(), reach: &Reach::Anywhere, defined: &|_| false }
     }
 }
 
@@ -116,7 +119,7 @@ pub(crate) fn is_mesh(input: &Path, opening: &Opening) -> Result<bool> {
 /// It cannot be opened, read or unpacked; what its format's reader refuses.
 pub(crate) fn read(file: &Path, reading: &Reading<'_>) -> Result<Object> {
     let opening = &reading.opening;
-    let input = Input::open(file, opening.max_unpacked, reading.options.progress)?;
+    let input = Input::open(file, reading.reach, opening.max_unpacked, reading.options.progress)?;
     let by_content = || FORMATS.iter().copied().find(|format| (format.begins)(&input.head));
     let Some(format) = opening.format.or_else(|| Format::by_name(file)).or_else(by_content) else {
         let error = Error::new("its first bytes are those of no mesh format that is known").at(input.name);

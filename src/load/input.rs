@@ -1,6 +1,6 @@
 //! A mesh file, opened: a regular file or standard input, unpacked where it is packed.
 
-use super::open::open_regular;
+use super::open::Reach;
 use super::unpack::{Counted, Limit, Packing};
 use crate::error::{Error, Result};
 use std::fs::File;
@@ -53,13 +53,14 @@ impl Share {
 }
 
 impl<'a> Input<'a> {
-    /// Opens the file `name`, or standard input where it is [`STDIN`]. `most_unpacked`: the most bytes that come out of
+    /// Opens the file `name` within `reach`, or standard input where it is [`STDIN`]. `most_unpacked`: the most bytes that come out of
     /// a packed file; `None`: [`super::unpack::ALWAYS_ALLOWED`], or more for large files.
     ///
     /// # Errors
-    /// As [`open_regular`]; the first bytes cannot be read or unpacked; cancelled.
+    /// As [`Reach::open`]; the first bytes cannot be read or unpacked; cancelled.
     pub fn open(
         name: &'a Path,
+        reach: &Reach,
         most_unpacked: Option<u64>,
         progress: ReadingProgress<'a>,
     ) -> Result<Input<'a>> {
@@ -72,7 +73,7 @@ impl<'a> Input<'a> {
             let stdin = Box::new(Cursor::new(head.clone()).chain(stdin));
             return Input::new(name, stdin, head, limit, Share::Always(0.0));
         }
-        let (mut file, length) = open_regular(name)?;
+        let (mut file, length) = reach.open(name)?;
         let head = beginning(&mut file).and_then(|head| file.rewind().map(|()| head));
         let head = head.map_err(|e| failed(name, &e))?;
         let limit = Limit { stated: most_unpacked, packed: Arc::default(), length: Some(length) };

@@ -38,6 +38,7 @@ pub use scene_file::Override;
 use crate::error::{Error, Findings, Result};
 use crate::scene::{Scene, Settings};
 use auto::{Up, View};
+use open::Reach;
 use sky::SkySource;
 use std::path::{Path, PathBuf};
 
@@ -53,6 +54,8 @@ pub struct Options<'a> {
     pub ground: bool,
     /// A sky instead of the file's environment.
     pub sky: Option<SkySource>,
+    /// Which files the input may name; those that the options name themselves are read wherever they are.
+    pub reach: Reach,
     /// Bytes that all textures together may take in memory; pictures beyond it are left out with a warning.
     pub max_texture_bytes: u64,
     /// How the input is opened, if it is a mesh.
@@ -70,6 +73,7 @@ impl Default for Options<'_> {
             view: None,
             ground: false,
             sky: None,
+            reach: Reach::Anywhere,
             max_texture_bytes: texture::MOST_BYTES,
             opening: Opening::default(),
             progress: &|_| true,
@@ -123,8 +127,9 @@ pub fn scene(input: &Path, mut options: Options<'_>) -> Result<Loaded> {
         Some(folder) if !is_bare => folder,
         _ => Path::new(""),
     };
+    let home = scene_file::Home { folder, reach: &options.reach };
     let size = if is_bare { auto::SIZE } else { Settings::default().size };
-    let mut plan = scene_file::read(&tree, input, folder, Settings { size, ..Settings::default() })?;
+    let mut plan = scene_file::read(&tree, input, &home, Settings { size, ..Settings::default() })?;
     if let (true, Some(mesh)) = (is_bare, plan.meshes.first_mut()) {
         // The tree holds text; a path need not be any.
         mesh.file = input.to_path_buf();

@@ -13,6 +13,7 @@ pub use resolve::{Resolved, resolve};
 pub use texture::{Channel, Texture, TextureOptions};
 
 use super::obj::number::number;
+use super::open::Reach;
 use crate::error::{Error, Findings, Result};
 use statements::Reader;
 use std::io::Read;
@@ -131,12 +132,12 @@ impl MtlMaterial {
     }
 }
 
-/// Reads the regular file `path`.
+/// Reads the regular file `path` within `reach`.
 ///
 /// # Errors
 /// It cannot be opened or read, is no regular file, or larger than [`MAX_BYTES`].
-pub fn read(path: &Path) -> Result<MtlFile> {
-    let (file, _) = super::open::open_regular(path)?;
+pub fn read(path: &Path, reach: &Reach) -> Result<MtlFile> {
+    let (file, _) = reach.open(path)?;
     let mut text = Vec::new();
     file.take(MAX_BYTES + 1).read_to_end(&mut text).map_err(|e| Error::io("read", path, &e))?;
     if text.len() as u64 > MAX_BYTES {

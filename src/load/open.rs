@@ -3,6 +3,10 @@
 //! A scene may name a FIFO, a device or a folder. Opening those can block for ever or never end, so a
 //! file is opened without blocking and refused unless it is a regular one.
 
+mod reach;
+
+pub use reach::Reach;
+
 use crate::error::{Error, Result};
 use std::collections::HashMap;
 use std::ffi::OsString;
@@ -22,7 +26,11 @@ pub fn open_regular(path: &Path) -> Result<(File, u64)> {
         let flags = rustix::fs::OFlags::NONBLOCK | rustix::fs::OFlags::NOCTTY;
         options.custom_flags(flags.bits() as i32);
     }
-    let file = options.open(path).map_err(|e| Error::io("open", path, &e))?;
+    options.open(path).map_err(|e| Error::io("open", path, &e)).and_then(|file| regular(file, path))
+}
+
+/// `file`, opened as `path`, with its length, if it is a regular one.
+fn regular(file: File, path: &Path) -> Result<(File, u64)> {
     // The open file is asked, not the path, which may have been exchanged in between.
     let about = file.metadata().map_err(|e| Error::io("open", path, &e))?;
     if about.is_dir() {
@@ -34,6 +42,11 @@ pub fn open_regular(path: &Path) -> Result<(File, u64)> {
             .advise("pipes and devices are not read; write the data to a file first"));
     }
     Ok((file, about.len()))
+}
+
+/// The one path of the file that `path` leads to, however it is spelt; where it leads nowhere, `path`.
+pub(crate) fn real(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
 }
 
 /// A path of the bytes that a file states.
@@ -67,21 +80,22 @@ pub struct Found {
     pub how: Match,
 }
 
-/// Looks for the file that a scene in `folder` calls `name`: `\` counts as `/`; a Windows path with a drive
-/// or server is looked for by its last part.
-pub fn find(folder: &Path, name: &[u8]) -> Option<Found> {
-    Finder::default().find(folder, name)
-}
-
-/// Looks for many files, each folder listed once.
+/// Looks for files that other files name, each folder listed once.
 #[derive(Debug, Default)]
 pub struct Finder {
+    reach: Reach,
     /// By folder: the alphabetically first entry by its name in lower case.
     listings: HashMap<PathBuf, HashMap<String, OsString>>,
 }
 
 impl Finder {
-    /// As [`find`].
+    /// One that looks for files within `reach` first, and lists no folder outside.
+    pub fn new(reach: &Reach) -> Self {
+        Finder { reach: reach.clone(), listings: HashMap::new() }
+    }
+
+    /// Looks for the file that a scene in `folder` calls `name`: `\` counts as `/`; a Windows path with a drive
+    /// or server is looked for by its last part. A file out of reach is the answer only where there is no other.
     pub fn find(&mut self, folder: &Path, name: &[u8]) -> Option<Found> {
         let name: Vec<u8> = name.iter().map(|&b| if b == b'\\' { b'/' } else { b }).collect();
         let foreign =
@@ -89,21 +103,28 @@ impl Finder {
         if name.is_empty() || name.contains(&0) {
             return None;
         }
+        let mut outside = None;
         if !foreign {
             let path = folder.join(path_from_bytes(&name));
             if path.exists() {
-                return Some(Found { path, how: Match::Exact });
+                let found = Some(Found { path, how: Match::Exact });
+                if found.as_ref().is_some_and(|found| self.reach.holds(&found.path)) {
+                    return found;
+                }
+                outside = found;
             }
             if let Some(path) = self.find_in_any_case(folder, &path_from_bytes(&name)) {
                 return Some(Found { path, how: Match::OtherCase });
             }
         }
-        let last =
-            name.rsplit(|&b| b == b'/').next().filter(|last| !last.is_empty() && last.len() < name.len())?;
+        let last = name.rsplit(|&b| b == b'/').next();
+        let Some(last) = last.filter(|last| !last.is_empty() && last.len() < name.len()) else {
+            return outside;
+        };
         let last = path_from_bytes(last);
         let beside = folder.join(&last);
         let path = if beside.exists() { Some(beside) } else { self.find_in_any_case(folder, &last) };
-        path.map(|path| Found { path, how: Match::OtherFolder })
+        path.map(|path| Found { path, how: Match::OtherFolder }).or(outside)
     }
 
     /// Walks `name` from `folder`, taking the alphabetically first entry that differs in case where none fits.
@@ -126,11 +147,15 @@ impl Finder {
         path.exists().then_some(path)
     }
 
-    /// The entries of a folder; none where it cannot be listed.
+    /// The entries of a folder; none where it cannot or may not be listed.
     pub(crate) fn listing(&mut self, folder: &Path) -> &HashMap<String, OsString> {
+        let reach = &self.reach;
         self.listings.entry(folder.to_path_buf()).or_insert_with(|| {
             let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
             let mut entries = HashMap::new();
+            if !reach.holds(listed) {
+                return entries;
+            }
             for entry in std::fs::read_dir(listed).into_iter().flatten().flatten() {
                 let name = entry.file_name();
                 let kept =

@@ -6,6 +6,7 @@ use crate::error::{Error, Finding, Result, Severity, unknown_word_advice};
 use crate::light::panorama::{HIGHEST, Panorama, Repairs, axes, repair};
 use crate::light::{Environment, Light};
 use crate::load::auto::Bearings;
+use crate::load::open::Reach;
 use crate::math::{DVec3, Rgb};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -54,12 +55,12 @@ pub(crate) struct SkyPicture {
 }
 
 impl SkyPicture {
-    /// Reads a picture in any format that [`picture::read`] knows.
+    /// Reads a picture within `reach` in any format that [`picture::read`] knows.
     ///
     /// # Errors
     /// As [`picture::read`].
-    pub fn read(file: &Path) -> Result<SkyPicture> {
-        let image = picture::read(file)?.image;
+    pub fn read(file: &Path, reach: &Reach) -> Result<SkyPicture> {
+        let image = picture::read_within(reach, file)?.image;
         let mut texels = image.rgb_pixels();
         let repairs = repair(&mut texels);
         let size = [image.width as usize, image.height as usize];

@@ -37,10 +37,10 @@ fn read(input: Input<'_>, reading: &Reading<'_>) -> Result<Object> {
     let progress = |_| (reading.options.progress)(share.now());
     let options = obj::ReadOptions { progress: &progress, ..reading.options };
     let read = obj::read_from(reader, name, None, &options)?;
-    let resolved = mtl::resolve(name, &read.libraries, &read.material_names, reading.defined);
+    let resolved = mtl::resolve(name, &read.libraries, &read.material_names, reading.defined, reading.reach);
     let mut findings = read.findings;
     findings.append(resolved.findings);
-    let mut search = Search::default();
+    let mut search = Search::new(reading.reach);
     let definitions = resolved.materials.iter().map(Option::as_ref).chain(std::iter::repeat(None));
     let materials = read.material_names.iter().zip(definitions).map(|(name, definition)| {
         let name = String::from_utf8_lossy(name).into_owned();

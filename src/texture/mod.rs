@@ -77,12 +77,29 @@ impl Mapping {
 /// A tile of a UDIM set: its number, 1001 + column + 10·row, and its picture.
 pub type Tile = (u32, Arc<Texels>);
 
+/// Pictures and what is read from them, for as long as the pictures live.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct MeanKey(usize, Transfer, Option<Channel>);
+
+/// The tiles of a UDIM set by number, ascending; at least one.
+#[derive(Clone, Debug)]
+pub struct Tiles(Arc<[Tile]>);
+
+impl Tiles {
+    /// A set; `None` without tiles. All must store their texels alike: those that differ from the first are left out.
+    pub fn new(mut tiles: Vec<Tile>) -> Option<Tiles> {
+        tiles.sort_by_key(|tile| tile.0);
+        let first = tiles.first()?.1.clone();
+        tiles.retain(|tile| std::mem::discriminant(tile.1.data()) == std::mem::discriminant(first.data()));
+        Some(Tiles(tiles.into()))
+    }
+}
+
 /// The pictures of a texture.
 #[derive(Clone, Debug)]
 enum Pictures {
     One(Arc<Texels>),
-    /// By number, ascending; never empty.
-    Tiles(Arc<[Tile]>),
+    Tiles(Tiles),
 }
 
 /// A picture, or a UDIM set of them, on a surface.
@@ -99,7 +116,7 @@ impl PartialEq for Texture {
     fn eq(&self, other: &Texture) -> bool {
         let same = match (&self.pictures, &other.pictures) {
             (Pictures::One(a), Pictures::One(b)) => Arc::ptr_eq(a, b) || a == b,
-            (Pictures::Tiles(a), Pictures::Tiles(b)) => Arc::ptr_eq(a, b) || a == b,
+            (Pictures::Tiles(a), Pictures::Tiles(b)) => Arc::ptr_eq(&a.0, &b.0) || a.0 == b.0,
             _ => false,
         };
         same && self.mapping == other.mapping && self.absent == other.absent
@@ -113,14 +130,10 @@ impl Texture {
         Texture { pictures: Pictures::One(texels), mapping, decoder, absent: Rgb::ZERO }
     }
 
-    /// A UDIM set; tiles that are not there have the value `absent`. All tiles must store their texels alike (the
-    /// others are left out); `None` without tiles.
-    pub fn tiles(mut tiles: Vec<Tile>, mapping: Mapping, absent: Rgb) -> Option<Texture> {
-        tiles.sort_by_key(|tile| tile.0);
-        let first = tiles.first()?.1.clone();
-        tiles.retain(|tile| std::mem::discriminant(tile.1.data()) == std::mem::discriminant(first.data()));
-        let decoder = Decoder::new(mapping.transfer, &first);
-        Some(Texture { pictures: Pictures::Tiles(tiles.into()), mapping, decoder, absent })
+    /// A UDIM set; tiles that are not there have the value `absent`.
+    pub fn tiles(tiles: Tiles, mapping: Mapping, absent: Rgb) -> Texture {
+        let decoder = Decoder::new(mapping.transfer, &tiles.0[0].1);
+        Texture { pictures: Pictures::Tiles(tiles), mapping, decoder, absent }
     }
 
     /// How it is laid over the surface.
@@ -136,7 +149,7 @@ impl Texture {
         match pictures {
             Pictures::One(texels) => digest.bytes(&of(texels)),
             Pictures::Tiles(tiles) => {
-                for (number, texels) in tiles.iter() {
+                for (number, texels) in tiles.0.iter() {
                     digest.value(number);
                     digest.bytes(&of(texels));
                 }
@@ -148,7 +161,7 @@ impl Texture {
     pub fn texels(&self) -> &Texels {
         match &self.pictures {
             Pictures::One(texels) => texels,
-            Pictures::Tiles(tiles) => &tiles[0].1,
+            Pictures::Tiles(tiles) => &tiles.0[0].1,
         }
     }
 
@@ -156,7 +169,7 @@ impl Texture {
     pub fn has_alpha(&self) -> bool {
         match &self.pictures {
             Pictures::One(texels) => texels.has_alpha(),
-            Pictures::Tiles(tiles) => tiles.iter().any(|tile| tile.1.has_alpha()),
+            Pictures::Tiles(tiles) => tiles.0.iter().any(|tile| tile.1.has_alpha()),
         }
     }
 
@@ -167,21 +180,41 @@ impl Texture {
         self
     }
 
-    /// The mean colour of its pictures.
+    /// The mean over all texels, the mapping's gain and base included.
     pub fn mean(&self) -> Rgb {
+        self.of_mean(self.texel_mean())
+    }
+
+    /// What [`Texture::mean`] makes of a [`Texture::texel_mean`].
+    pub fn of_mean(&self, mean: DVec3) -> Rgb {
+        let (gain, base) = (self.mapping.gain.as_dvec3(), self.mapping.base.as_dvec3());
+        (mean * gain + base).as_vec3()
+    }
+
+    /// What the texels' mean depends on: textures of one such value have the same.
+    pub fn mean_key(&self) -> MeanKey {
+        let pictures = match &self.pictures {
+            Pictures::One(texels) => Arc::as_ptr(texels).addr(),
+            Pictures::Tiles(tiles) => tiles.0.as_ptr().addr(),
+        };
+        MeanKey(pictures, self.mapping.transfer, self.mapping.channel)
+    }
+
+    /// The mean of the texels' colours, or of the mapping's channel as grey. Looks at every texel.
+    pub fn texel_mean(&self) -> DVec3 {
         let mut sum = DVec3::ZERO;
         let mut count = 0u64;
         let mut add = |texels: &Texels| {
             for texel in texels.pixels(self.mapping.transfer) {
-                sum += self.value(texel).as_dvec3();
+                sum += self.color(texel).as_dvec3();
                 count += 1;
             }
         };
         match &self.pictures {
             Pictures::One(texels) => add(texels),
-            Pictures::Tiles(tiles) => tiles.iter().for_each(|tile| add(&tile.1)),
+            Pictures::Tiles(tiles) => tiles.0.iter().for_each(|tile| add(&tile.1)),
         }
-        (sum / count.max(1) as f64).as_vec3()
+        sum / count.max(1) as f64
     }
 
     /// The colour at `uv`; a single channel as grey.
@@ -190,11 +223,14 @@ impl Texture {
     }
 
     fn value(&self, texel: [f32; 4]) -> Rgb {
-        let value = match self.mapping.channel {
+        self.color(texel) * self.mapping.gain + self.mapping.base
+    }
+
+    fn color(&self, texel: [f32; 4]) -> Rgb {
+        match self.mapping.channel {
             None => Rgb::new(texel[0], texel[1], texel[2]),
             Some(channel) => Rgb::splat(one(texel, channel)),
-        };
-        value * self.mapping.gain + self.mapping.base
+        }
     }
 
     /// The number at `uv`: the mapping's channel, or the first one.
@@ -217,9 +253,15 @@ impl Texture {
                     return None;
                 }
                 let number = 1001 + column as u32 + 10 * row as u32;
-                let tile = tiles.binary_search_by_key(&number, |tile| tile.0).ok()?;
+                let tile = tiles.0.binary_search_by_key(&number, |tile| tile.0).ok()?;
                 let inside = [u - column, v - row];
-                Some(lookup::lookup(&tiles[tile].1, &self.decoder, self.mapping.filter, Wrap::Clamp, inside))
+                Some(lookup::lookup(
+                    &tiles.0[tile].1,
+                    &self.decoder,
+                    self.mapping.filter,
+                    Wrap::Clamp,
+                    inside,
+                ))
             }
         }
     }

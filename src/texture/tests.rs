@@ -79,7 +79,8 @@ fn any_coordinate_is_somewhere() {
             for filter in Filter::TABLE {
                 let mapping = Mapping { wrap: row.2, filter: filter.2, ..Mapping::plain(Transfer::Linear) };
                 let texture = Texture::new(texels.clone(), mapping);
-                let set = Texture::tiles(vec![(1001, texels.clone())], mapping, Rgb::ONE).unwrap();
+                let set =
+                    Texture::tiles(Tiles::new(vec![(1001, texels.clone())]).unwrap(), mapping, Rgb::ONE);
                 for u in strange {
                     for v in strange {
                         let uv = Vec2::new(u, v);
@@ -105,7 +106,11 @@ fn means_count_every_texel_and_tile() {
     let mapping = Mapping { gain: Rgb::splat(2.0), base: Rgb::ONE, ..Mapping::plain(Transfer::Linear) };
     let a = bytes(2, 1, &[0, 255]);
     assert_eq!(Texture::new(a.clone(), mapping).mean(), Rgb::splat(2.0));
-    let set = Texture::tiles(vec![(1002, bytes(2, 1, &[255, 255])), (1001, a)], mapping, Rgb::ZERO).unwrap();
+    let set = Texture::tiles(
+        Tiles::new(vec![(1002, bytes(2, 1, &[255, 255])), (1001, a)]).unwrap(),
+        mapping,
+        Rgb::ZERO,
+    );
     assert_eq!(set.mean(), Rgb::splat(2.5));
 }
 

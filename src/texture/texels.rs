@@ -122,6 +122,13 @@ impl Texels {
         (0..self.width as usize * self.height as usize).map(move |i| self.get(i, &decoder))
     }
 
+    /// Every `step`-th of them.
+    pub fn some_pixels(&self, transfer: Transfer, step: usize) -> impl Iterator<Item = [f32; 4]> + '_ {
+        let decoder = Decoder::new(transfer, self);
+        let all = 0..self.width as usize * self.height as usize;
+        all.step_by(step.max(1)).map(move |i| self.get(i, &decoder))
+    }
+
     /// The value that means "no tilt" in a normal map: the middle code, so that a flat map is exactly flat.
     pub(super) fn middle(&self) -> f32 {
         match &self.data {

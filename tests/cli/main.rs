@@ -1,20 +1,25 @@
 //! The program as its users meet it: words in, files, messages and exit codes out.
 
+mod bounds;
 mod check;
 mod converge;
+mod dependencies;
 mod diff;
+mod faults;
 mod files;
 mod formats;
 mod guide;
 mod mistakes;
 mod pictures;
 mod readme;
+mod replay;
 mod resume;
 mod rows_command;
 mod rows_files;
 mod rows_numbers;
 mod rows_output;
 mod rows_textures;
+mod secure;
 mod series;
 mod universal;
 mod usage;

@@ -38,6 +38,7 @@ unsafe impl Sync for Device {}
 impl Device {
     /// A device for `isa` that builds with at most `threads` threads (0: all) and holds at most `memory` bytes.
     pub(super) fn new(isa: &str, threads: usize, memory: Option<u64>) -> Result<Self> {
+        check_room(threads)?;
         let config = config(isa, threads);
         let text = CString::new(config.as_str()).unwrap_or_default();
         // SAFETY: a NUL-terminated string that lives through the call.
@@ -124,6 +125,22 @@ fn config(isa: &str, threads: usize) -> String {
     } else {
         format!("threads={threads}")
     }
+}
+
+/// TBB ends the process (`std::terminate`) where it cannot start a thread, which limits of the address space bring
+/// about; so what its threads need is asked for, and given back, before there are any.
+fn check_room(threads: usize) -> Result<()> {
+    /// A stack of 4 MiB and two pools.
+    const A_THREAD: usize = 8 << 20;
+    /// The library's own pools and the first blocks of a tree.
+    const ALL: usize = 64 << 20;
+    let machine = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = if threads == 0 { machine } else { threads.min(machine) };
+    let mut room: Vec<u8> = Vec::new();
+    room.try_reserve_exact(ALL + threads * A_THREAD).map_err(|_| {
+        Error::new("not enough memory for Embree to start")
+            .advise("raise the limit (ulimit -v), or use the backend \"bvh\"")
+    })
 }
 
 fn code_name(code: sys::RTCError) -> &'static str {

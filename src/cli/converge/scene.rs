@@ -73,7 +73,9 @@ impl Job {
         for text in &self.args.study.set {
             overrides.push(Override::parse(text)?);
         }
-        load::scene(&self.args.input, load::Options { overrides, progress: &progress, ..Default::default() })
+        let reach = self.args.study.files.reach(&self.args.input)?;
+        let options = load::Options { overrides, reach, progress: &progress, ..Default::default() };
+        load::scene(&self.args.input, options)
     }
 
     /// The reference's size, or a small one, unless one is asked for.

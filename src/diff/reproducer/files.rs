@@ -6,7 +6,7 @@
 use super::{Reproducer, once_and_in_a_packet};
 use crate::diff::rays::Chunk;
 use crate::error::{Error, Result};
-use crate::load::open;
+use crate::load::open::Reach;
 use crate::math::Vec3;
 use crate::output;
 use crate::shape::Mesh;
@@ -14,6 +14,9 @@ use std::fmt::Write;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Larger files are taken for something else.
+const LARGEST_FILE: u64 = 64 << 20;
 
 impl Reproducer {
     /// Writes `case-N.obj` and `case-N.toml` into `folder`; `said` tells what was found, a line each. Returns the
@@ -62,12 +65,13 @@ impl Reproducer {
     /// Reads what [`Reproducer::write`] wrote; `None` when `path` is no such file but, perhaps, a scene.
     ///
     /// # Errors
-    /// A file that cannot be read, or that is a case with something missing or wrong.
-    pub fn read(path: &Path) -> Result<Option<Reproducer>> {
+    /// A file that cannot be read, or that is a case with something missing or wrong; its mesh is not within
+    /// `reach`.
+    pub fn read(path: &Path, reach: &Reach) -> Result<Option<Reproducer>> {
         if path.extension().is_none_or(|e| e != "toml") {
             return Ok(None);
         }
-        let Ok(table) = text(path)?.parse::<toml::Table>() else { return Ok(None) };
+        let Ok(table) = text(path, reach)?.parse::<toml::Table>() else { return Ok(None) };
         let Some(case) = table.get("case").and_then(|case| case.as_table()) else { return Ok(None) };
         let wrong = |key: &str, form: &str| Error::new(format!("case.{key} must be {form}")).at(path);
         let number = |value: &toml::Value| value.as_float().or(value.as_integer().map(|i| i as f64));
@@ -82,7 +86,7 @@ impl Reproducer {
             Ok(Vec3::new(x as f32, y as f32, z as f32))
         };
         let mesh = case.get("mesh").and_then(|v| v.as_str()).ok_or_else(|| wrong("mesh", "a file's name"))?;
-        let meshes = meshes(&path.parent().unwrap_or(Path::new("")).join(mesh))?;
+        let meshes = meshes(&path.parent().unwrap_or(Path::new("")).join(mesh), reach)?;
         let rays =
             once_and_in_a_packet(vector("origin")?, vector("direction")?, scalar("tmin")?, scalar("tmax")?);
         if rays.is_empty() {
@@ -92,19 +96,22 @@ impl Reproducer {
     }
 }
 
-fn text(path: &Path) -> Result<String> {
-    let (mut file, _) = open::open_regular(path)?;
+fn text(path: &Path, reach: &Reach) -> Result<String> {
+    let (file, _) = reach.open(path)?;
     let mut text = String::new();
-    file.read_to_string(&mut text).map_err(|e| Error::io("read", path, &e))?;
+    file.take(LARGEST_FILE + 1).read_to_string(&mut text).map_err(|e| Error::io("read", path, &e))?;
+    if text.len() as u64 > LARGEST_FILE {
+        return Err(Error::new("too large for a reproducer (limit 64 MiB)").at(path));
+    }
     Ok(text)
 }
 
 /// The meshes of a reproducer's OBJ file: `o`, `v` with three numbers and `f` with three indices, and nothing else.
-fn meshes(path: &Path) -> Result<Vec<Arc<Mesh>>> {
+fn meshes(path: &Path, reach: &Reach) -> Result<Vec<Arc<Mesh>>> {
     // A mesh with the number of its first vertex.
     type Part = (usize, Vec<[f32; 3]>, Vec<[u32; 3]>);
     let mut all: Vec<Part> = Vec::new();
-    for (i, line) in text(path)?.lines().enumerate() {
+    for (i, line) in text(path, reach)?.lines().enumerate() {
         let wrong = || Error::new("not a line of a reproducer").at(path).line(i as u64 + 1);
         let words: Vec<&str> = line.split_whitespace().collect();
         let first = all.last().map_or(1, |(first, positions, _)| first + positions.len());

@@ -1,6 +1,7 @@
 //! Planted faults are found, blamed on the right one, and reproduced.
 
 use super::*;
+use crate::load::open::Reach;
 
 #[test]
 fn planted_faults_are_real_and_blamed_on_the_faulty() {
@@ -38,7 +39,7 @@ fn reproducers_fail_on_their_own() {
         assert!(made.fails && triangles <= most, "{fault:?}: {triangles} triangles");
         let folder = tempfile::TempDir::new().unwrap();
         let path = made.write(folder.path(), 1, &report.sentence(case)).unwrap();
-        let read = Reproducer::read(&path).unwrap().expect("a case");
+        let read = Reproducer::read(&path, &Reach::Anywhere).unwrap().expect("a case");
         let corners = |r: &Reproducer| -> Vec<[u32; 3]> {
             let all = r.meshes.iter().flat_map(|m| (0..m.indices.len()).flat_map(|t| m.triangle(t)));
             all.map(|p| p.to_array().map(f32::to_bits)).collect()

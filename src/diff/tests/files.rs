@@ -1,6 +1,7 @@
 //! A reproducer's files keep every bit, and what is none is told apart.
 
 use super::*;
+use crate::load::open::Reach;
 
 #[test]
 fn files_that_are_no_reproducer() {
@@ -10,7 +11,7 @@ fn files_that_are_no_reproducer() {
     std::fs::write(&obj, "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     let read = |text: &str| {
         std::fs::write(&case, text).unwrap();
-        Reproducer::read(&case)
+        Reproducer::read(&case, &Reach::Anywhere)
     };
     assert_eq!(read(text).unwrap().unwrap().meshes[0].indices, [[0, 1, 2]]);
     assert!(read("[camera]\nfov = 3\n").unwrap().is_none());
@@ -39,7 +40,8 @@ fn coordinates_keep_every_bit_in_files() {
     let meshes = vec![Arc::new(Mesh::new(corners.to_vec(), vec![[2, 0, 1]]))];
     let made = Reproducer { meshes, rays: RaySet { kind: Kind::Replay, chunks: rays }, fails: true };
     let folder = tempfile::TempDir::new().unwrap();
-    let read = Reproducer::read(&made.write(folder.path(), 7, "").unwrap()).unwrap().unwrap();
+    let read =
+        Reproducer::read(&made.write(folder.path(), 7, "").unwrap(), &Reach::Anywhere).unwrap().unwrap();
     let bits = |r: &Reproducer| r.meshes[0].positions.iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>();
     assert_eq!((bits(&read), &read.meshes[0].indices), (bits(&made), &made.meshes[0].indices));
     let ray = |r: &Reproducer| {

@@ -6,7 +6,7 @@ use crate::load::materials::MaterialSpec;
 use crate::load::object::Object;
 use crate::load::scene_file::{Field, MaterialPatch, MeshPlan};
 use crate::math::Rgb;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// How many mixtures may stand within each other: each is a call within the other's.
 const DEEPEST_MIX: usize = 100;
@@ -23,11 +23,13 @@ pub enum Choice {
 /// The scene's materials as they gather.
 pub struct Palette<'p> {
     patches: &'p BTreeMap<String, MaterialPatch<'p>>,
-    used: Vec<String>,
+    used: BTreeSet<&'p str>,
     /// The materials, by id.
     pub specs: Vec<MaterialSpec>,
     /// By file: scene ids of its materials, once they are in.
     of_file: Vec<Option<Vec<u32>>>,
+    /// By file: where its materials are, by name; of several of one name the first.
+    by_name: Vec<Option<HashMap<String, usize>>>,
     /// Scene ids of materials that meshes name, by name and the file they come from.
     named: BTreeMap<(String, Option<usize>), u32>,
 }
@@ -37,9 +39,10 @@ impl<'p> Palette<'p> {
     pub fn new(patches: &'p BTreeMap<String, MaterialPatch<'p>>, files: usize) -> Self {
         Palette {
             patches,
-            used: Vec::new(),
+            used: BTreeSet::new(),
             specs: Vec::new(),
             of_file: vec![None; files],
+            by_name: vec![None; files],
             named: BTreeMap::new(),
         }
     }
@@ -50,11 +53,20 @@ impl<'p> Palette<'p> {
         (self.specs.len() - 1) as u32
     }
 
+    /// The material `name` of the file `file`, whose materials are `own`.
+    fn in_file<'o>(&mut self, name: &str, own: &'o [MaterialSpec], file: usize) -> Option<&'o MaterialSpec> {
+        let names = self.by_name.get_mut(file)?.get_or_insert_with(|| {
+            let all = own.iter().enumerate().rev();
+            all.map(|(i, spec)| (spec.name.clone(), i)).collect()
+        });
+        own.get(*names.get(name)?)
+    }
+
     fn patched(&mut self, spec: MaterialSpec) -> Result<MaterialSpec> {
-        match self.patches.get(&spec.name) {
+        match self.patches.get_key_value(&spec.name) {
             None => Ok(spec),
-            Some(patch) => {
-                self.used.push(spec.name.clone());
+            Some((name, patch)) => {
+                self.used.insert(name);
                 patch.apply(spec)
             }
         }
@@ -101,7 +113,7 @@ impl<'p> Palette<'p> {
         if within.len() > DEEPEST_MIX {
             return Err(blame().map_or_else(|| Error::new("too many mixtures"), MaterialPatch::too_deep));
         }
-        let in_file = own.iter().find(|m| m.name == name);
+        let in_file = self.in_file(name, own, file);
         if in_file.is_none() && !patches.contains_key(name) {
             let known: Vec<&str> = patches.keys().map(String::as_str).filter(|n| *n != whole).collect();
             let message = || Error::new(format!("unknown material \"{name}\""));
@@ -123,7 +135,7 @@ impl<'p> Palette<'p> {
         let own: &[MaterialSpec] = object.map_or(&[], |o| &o.materials);
         let Some(field) = &mesh.material else { return self.own(own, file).map(Choice::ByFile) };
         let name = field.text()?;
-        let in_file = own.iter().find(|m| m.name == name);
+        let in_file = self.in_file(name, own, file);
         if in_file.is_none() && !self.patches.contains_key(name) {
             let names = self.patches.keys().map(String::as_str).chain(own.iter().map(|m| m.name.as_str()));
             let known: Vec<&str> = names.filter(|n| !n.is_empty()).collect();
@@ -161,7 +173,7 @@ impl<'p> Palette<'p> {
 
     /// What the scene file says of materials that no mesh has, and where.
     pub fn unused(&self) -> Vec<(&'p str, &'p Field<'p>)> {
-        let patches = self.patches.iter().filter(|(name, _)| !self.used.contains(name));
+        let patches = self.patches.iter().filter(|(name, _)| !self.used.contains(name.as_str()));
         patches.map(|(name, patch)| (name.as_str(), &patch.field)).collect()
     }
 

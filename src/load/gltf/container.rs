@@ -3,7 +3,7 @@
 use super::item::Item;
 use crate::error::{Error, Result};
 use crate::load::input::{Input, ReadingProgress, no_memory};
-use crate::load::open::{Finder, open_regular};
+use crate::load::open::{Finder, Reach};
 use serde_json::Value;
 use std::io::Read;
 use std::path::Path;
@@ -58,11 +58,11 @@ impl Document {
         Ok(Document { json, binary })
     }
 
-    /// The bytes of every buffer of the document.
+    /// The bytes of every buffer of the document, whose files are within `reach`.
     ///
     /// # Errors
     /// A buffer that is missing, shorter than it says, or no `data:` URI that can be read.
-    pub fn buffers(&mut self, file: &Path) -> Result<Vec<Arc<Vec<u8>>>> {
+    pub fn buffers(&mut self, file: &Path, reach: &Reach) -> Result<Vec<Arc<Vec<u8>>>> {
         let mut binary = self.binary.take();
         let root = Item::root(&self.json, file);
         let mut buffers = Vec::new();
@@ -71,7 +71,7 @@ impl Document {
             let mut bytes = match buffer.text("uri") {
                 // A buffer that nothing uses may be a stand-in for a compressed one.
                 None => binary.take().unwrap_or_default(),
-                Some(uri) => fetch(uri, length as u64, &buffer, file)?,
+                Some(uri) => fetch(uri, length as u64, &buffer, file, reach)?,
             };
             if bytes.len() < length && !(bytes.is_empty() && buffer.get("extensions").is_some()) {
                 let have = bytes.len();
@@ -93,15 +93,15 @@ fn parse(text: &[u8], file: &Path) -> Result<Value> {
 }
 
 /// The bytes that a URI names, at most `most` of them.
-fn fetch(uri: &str, most: u64, item: &Item<'_>, file: &Path) -> Result<Vec<u8>> {
+fn fetch(uri: &str, most: u64, item: &Item<'_>, file: &Path, reach: &Reach) -> Result<Vec<u8>> {
     if let Some(data) = uri.strip_prefix("data:") {
         return data_uri(data).ok_or_else(|| item.error("has a data: URI that is not base64"));
     }
     let folder = file.parent().unwrap_or(Path::new(""));
-    let found = Finder::default().find(folder, &unescape(uri));
+    let found = Finder::new(reach).find(folder, &unescape(uri));
     let found = found.ok_or_else(|| item.error("is in a file that was not found beside this one"))?;
     let failed = |why: String| item.error(&format!("is in a file that cannot be read: {why}"));
-    let (handle, length) = open_regular(&found.path).map_err(|e| failed(e.message))?;
+    let (handle, length) = reach.open(&found.path).map_err(|e| failed(e.message))?;
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(length.min(most) as usize).map_err(|_| no_memory(file))?;
     handle.take(most).read_to_end(&mut bytes).map_err(|e| failed(e.to_string()))?;

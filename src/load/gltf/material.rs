@@ -1,13 +1,14 @@
 //! Materials: metallic-roughness and the extensions whose parameters the principled material has.
 
 use super::item::Item;
-use super::pictures::{Laid, laid, scale_and_offset};
+use super::pictures::{Images, Laid, laid, scale_and_offset};
 use super::{Document, finding};
 use crate::bsdf::principled::Look;
 use crate::bsdf::{Bsdf, Diffuse, Parameter, Principled};
 use crate::error::{Findings, Result, Severity};
 use crate::load::auto;
 use crate::load::materials::MaterialSpec;
+use crate::load::open::Reach;
 use crate::load::texture::{MapSpec, Slot, Stated};
 use crate::math::Rgb;
 use crate::texture::{Channel, Transfer};
@@ -33,10 +34,14 @@ impl Materials {
     ///
     /// # Errors
     /// Wrong values, references that lead nowhere.
-    pub fn of(document: &Document<'_>, findings: &mut Findings) -> Result<Materials> {
+    pub fn of(document: &Document<'_>, reach: &Reach, findings: &mut Findings) -> Result<Materials> {
+        let mut images = Images::new(reach);
         let items = document.root.list("materials").enumerate();
-        let entries: Result<Vec<Entry>> =
-            items.map(|(i, item)| Reader { item, document, findings, maps: Vec::new() }.read(i)).collect();
+        let entries: Result<Vec<Entry>> = items
+            .map(|(i, item)| {
+                Reader { item, document, images: &mut images, findings, maps: Vec::new() }.read(i)
+            })
+            .collect();
         Ok(Materials { entries: entries? })
     }
 
@@ -75,6 +80,7 @@ struct Use {
 struct Reader<'r, 'd> {
     item: Item<'d>,
     document: &'r Document<'d>,
+    images: &'r mut Images,
     findings: &'r mut Findings,
     maps: Vec<Use>,
 }
@@ -222,7 +228,7 @@ impl Reader<'_, '_> {
     fn map(&mut self, info: &Item<'_>, slot: Slot, channel: Option<Channel>, gain: Rgb) -> Result<()> {
         let is_color = channel.is_none() && matches!(slot, Slot::Parameter(_));
         let transfer = if is_color { Transfer::Srgb } else { Transfer::Linear };
-        let laid = laid(info, self.document, transfer, self.findings)?;
+        let laid = laid(info, self.document, transfer, self.images, self.findings)?;
         let way = info.way.clone();
         self.maps.extend(laid.map(|laid| Use { laid, slot, channel, gain, base: Rgb::ZERO, way }));
         Ok(())

@@ -81,11 +81,11 @@ fn read(input: Input<'_>, reading: &Reading<'_>) -> Result<Object> {
     let file = input.name;
     let mut container = container::Document::read(input, reading.options.progress)?;
     check_version(&Item::root(&container.json, file))?;
-    let buffers = container.buffers(file)?;
+    let buffers = container.buffers(file, reading.reach)?;
     let document = Document { root: Item::root(&container.json, file), buffers, file };
     let nodes = Nodes::of(&document.root)?;
     let mut findings = Findings::default();
-    let materials = Materials::of(&document, &mut findings)?;
+    let materials = Materials::of(&document, reading.reach, &mut findings)?;
     let mut builder = Builder::new(file, &reading.options, false, Share::Always(1.0));
     let mut meshes =
         Meshes { document: &document, materials: &materials, builder: &mut builder, left_out: 0 };

@@ -4,10 +4,11 @@ use super::container::{data_uri, unescape};
 use super::item::Item;
 use super::{Document, accessor::Bytes, finding};
 use crate::error::{Findings, Result, Severity};
-use crate::load::open::Finder;
+use crate::load::open::{Finder, Reach};
 use crate::load::texture::{Inside, Place, Source};
 use crate::texture::{Filter, Mapping, Transfer, Wrap};
 use glam::{DAffine2, DMat2, DVec2};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A texture as a material uses it.
@@ -29,6 +30,7 @@ pub(super) fn laid(
     info: &Item<'_>,
     document: &Document<'_>,
     transfer: Transfer,
+    images: &mut Images,
     findings: &mut Findings,
 ) -> Result<Option<Laid>> {
     let root = &document.root;
@@ -40,8 +42,7 @@ pub(super) fn laid(
         left_out("texture-unreadable", "has no picture of a kind that can be read (png, jpg and others)");
         return Ok(None);
     };
-    let image = root.at("images", number)?;
-    let Some(place) = place(&image, number, document)? else {
+    let Some(place) = images.place(number, document)? else {
         left_out("texture-missing", "is in a file that was not found beside this one");
         return Ok(None);
     };
@@ -81,8 +82,36 @@ pub(super) fn scale_and_offset(transform: &DAffine2) -> Option<([f32; 2], [f32; 
     (b == 0.0 && c == 0.0).then_some(([a as f32, d as f32], [x as f32, (1.0 - d - y) as f32]))
 }
 
-/// Where an image is; `None` where its file is not there.
-fn place(image: &Item<'_>, number: usize, document: &Document<'_>) -> Result<Option<Place>> {
+/// Where the document's images are; each is looked for, or copied out of the document, once.
+pub(super) struct Images {
+    finder: Finder,
+    places: HashMap<usize, Option<Place>>,
+}
+
+impl Images {
+    /// Images within `reach`.
+    pub fn new(reach: &Reach) -> Images {
+        Images { finder: Finder::new(reach), places: HashMap::new() }
+    }
+
+    /// Where the image `number` is; `None` where its file is not there.
+    fn place(&mut self, number: usize, document: &Document<'_>) -> Result<Option<Place>> {
+        if let Some(known) = self.places.get(&number) {
+            return Ok(known.clone());
+        }
+        let image = document.root.at("images", number)?;
+        let place = place(&image, number, document, &mut self.finder)?;
+        self.places.insert(number, place.clone());
+        Ok(place)
+    }
+}
+
+fn place(
+    image: &Item<'_>,
+    number: usize,
+    document: &Document<'_>,
+    finder: &mut Finder,
+) -> Result<Option<Place>> {
     let inside =
         |bytes| Place::Inside(Inside { file: document.file.to_path_buf(), number, bytes: Arc::new(bytes) });
     if let Some(view) = image.index("bufferView")? {
@@ -95,6 +124,6 @@ fn place(image: &Item<'_>, number: usize, document: &Document<'_>) -> Result<Opt
         return Ok(Some(inside(bytes)));
     }
     let folder = document.file.parent().unwrap_or(std::path::Path::new(""));
-    let found = Finder::default().find(folder, &unescape(uri));
+    let found = finder.find(folder, &unescape(uri));
     Ok(found.map(|found| Place::File(found.path)))
 }

@@ -3,8 +3,8 @@
 use super::{MtlMaterial, read};
 use crate::error::{Finding, Findings, Severity};
 use crate::load::obj::Library;
-use crate::load::open::{Found, Match, find};
-use std::collections::HashMap;
+use crate::load::open::{Finder, Found, Match, Reach, real};
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// The definitions of an OBJ's materials.
@@ -25,15 +25,24 @@ pub struct Resolved {
 /// What follows `mtllib` is one name with spaces or several names: the former is tried first. Names are
 /// relative to the OBJ's folder; where no such file exists, one that differs in case is taken, then one of
 /// that name in the OBJ's own folder. Of several definitions of one name the last holds. Nothing here is
-/// an error: a library that cannot be read is a warning. The empty name needs no definition, nor does one that is
+/// an error: a library that cannot be read is a warning, and one outside of `reach` is not read. The empty name needs no definition, nor does one that is
 /// `defined` elsewhere.
 pub fn resolve(
     obj: &Path,
     libraries: &[Library],
     names: &[Vec<u8>],
     defined: &dyn Fn(&[u8]) -> bool,
+    reach: &Reach,
 ) -> Resolved {
-    let mut resolver = Resolver { obj, line: 0, out: Resolved::default(), last: HashMap::new() };
+    let mut resolver = Resolver {
+        obj,
+        reach,
+        finder: Finder::new(reach),
+        line: 0,
+        out: Resolved::default(),
+        read: HashSet::new(),
+        last: HashMap::new(),
+    };
     for library in libraries {
         resolver.line = library.line;
         resolver.library(&library.names);
@@ -53,8 +62,12 @@ pub fn resolve(
 
 struct Resolver<'a> {
     obj: &'a Path,
+    reach: &'a Reach,
+    finder: Finder,
     line: u64,
     out: Resolved,
+    /// Libraries that were read, or could not be, by their real paths: a library has many names and is read once.
+    read: HashSet<PathBuf>,
     last: HashMap<Vec<u8>, MtlMaterial>,
 }
 
@@ -66,11 +79,11 @@ impl Resolver<'_> {
 
     fn library(&mut self, names: &[u8]) {
         let folder = self.obj.parent().unwrap_or(Path::new(""));
-        if let Some(found) = find(folder, names) {
+        if let Some(found) = self.finder.find(folder, names) {
             return self.read(names, found);
         }
         let words: Vec<&[u8]> = super::words(names).collect();
-        let found: Vec<_> = words.iter().map(|word| find(folder, word)).collect();
+        let found: Vec<_> = words.iter().map(|word| self.finder.find(folder, word)).collect();
         if words.len() < 2 || found.iter().all(Option::is_none) {
             return self.missing(names);
         }
@@ -99,15 +112,17 @@ impl Resolver<'_> {
                 self.note("mtllib-other-folder", Severity::Warning, message);
             }
         }
-        if self.out.libraries.contains(&found.path) {
+        if !self.read.insert(real(&found.path)) {
             return;
         }
-        let library = match read(&found.path) {
+        let library = match read(&found.path, self.reach) {
             Ok(library) => library,
             Err(error) => {
                 let message =
                     format!("material library \"{}\" cannot be read: {}", shown(name), error.message);
-                return self.note("mtllib-unreadable", Severity::Warning, message);
+                let refused = !self.reach.holds(&found.path);
+                let kind = if refused { "path-refused" } else { "mtllib-unreadable" };
+                return self.note(kind, Severity::Warning, message);
             }
         };
         self.out.findings.append(library.findings);

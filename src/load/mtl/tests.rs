@@ -35,7 +35,7 @@ impl Folder {
             .map(|(line, names)| Library { line, names: names.as_bytes().to_vec() })
             .collect();
         let names: Vec<_> = names.iter().map(|n| n.as_bytes().to_vec()).collect();
-        resolve(&self.0.path().join("scene.obj"), &libraries, &names, &|_| false)
+        resolve(&self.0.path().join("scene.obj"), &libraries, &names, &|_| false, &Reach::Anywhere)
     }
 }
 

@@ -91,9 +91,12 @@ impl Texture {
             start += used;
         }
         // Some exporters write the options behind the name; they count when nothing else follows them.
-        let end = (start + 1..words.len())
-            .find(|&end| all_options(words.get(end..).unwrap_or_default(), &mut options));
-        let name = span(text, words.get(start..end.unwrap_or(words.len()))?)?;
+        let end = trailing_options(&words, start + 1);
+        let mut at = end;
+        while let Some(used) = words.get(at..).and_then(|rest| take_option(rest, &mut options)) {
+            at += used;
+        }
+        let name = span(text, words.get(start..end)?)?;
         let slashes: Vec<u8> = name.iter().map(|&b| if b == b'\\' { b'/' } else { b }).collect();
         Some(Texture { file: path_from_bytes(&slashes), options })
     }
@@ -106,18 +109,19 @@ fn span<'a>(text: &'a [u8], words: &[&'a [u8]]) -> Option<&'a [u8]> {
     text.get(offset(first)?..offset(last)? + last.len())
 }
 
-/// Takes the words as options, all of them or none.
-fn all_options(words: &[&[u8]], options: &mut TextureOptions) -> bool {
-    let mut taken = options.clone();
-    let mut at = 0;
-    while at < words.len() {
-        match take_option(words.get(at..).unwrap_or_default(), &mut taken) {
-            Some(used) => at += used,
-            None => return false,
+/// Where, not before `first`, the words begin that are options to the last. Answered from the end, so that words that
+/// are options almost to the last take no square of their number.
+fn trailing_options(words: &[&[u8]], first: usize) -> usize {
+    let mut scratch = TextureOptions::default();
+    let mut are_options = vec![false; words.len()];
+    for at in (first..words.len()).rev() {
+        let used = words.get(at..).and_then(|rest| take_option(rest, &mut scratch));
+        let rest = used.is_some_and(|used| are_options.get(at + used).copied().unwrap_or(true));
+        if let Some(slot) = are_options.get_mut(at) {
+            *slot = rest;
         }
     }
-    *options = taken;
-    true
+    are_options.iter().position(|are| *are).unwrap_or(words.len())
 }
 
 /// Takes the option at the start of `words`; how many words that were.

@@ -10,6 +10,7 @@ use ::exr::meta::MetaData;
 use ::exr::meta::attribute::{AttributeValue, Text};
 use ::exr::meta::header::Header;
 use ::exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel};
+use std::collections::BTreeSet;
 use std::io::{Cursor, Read, Seek, SeekFrom};
 
 /// RGB and alpha being filled, and the number of pixels in a row.
@@ -48,8 +49,9 @@ pub(super) fn size_of(input: &mut (impl Read + Seek)) -> Result<[u64; 2]> {
     Ok([header.layer_size.width() as u64, header.layer_size.height() as u64])
 }
 
-fn damaged(e: ::exr::error::Error) -> Error {
-    Error::new(format!("cannot decode the OpenEXR file: {e}"))
+/// The decoder's own words may hold the file's.
+fn damaged(_: ::exr::error::Error) -> Error {
+    super::damaged("OpenEXR file")
 }
 
 /// The layer that is read, the names of its colours, and whether it has alpha.
@@ -132,19 +134,19 @@ impl ColourNames {
 
 /// `R`, `G`, `B`, else the first layer's `NAME.R` … in alphabetical order, else the luminance `Y`.
 fn colour_names(header: &Header) -> Option<ColourNames> {
-    let names: Vec<String> = header.channels.list.iter().map(|c| c.name.to_string()).collect();
+    let names: BTreeSet<String> = header.channels.list.iter().map(|c| c.name.to_string()).collect();
     let all_three = |prefix: &str| {
         let three = ["R", "G", "B"].map(|c| format!("{prefix}{c}"));
         three
             .iter()
-            .all(|n| names.contains(n))
+            .all(|name| names.contains(name))
             .then(|| ColourNames::Rgb(three.map(|n| Text::from(n.as_str()))))
     };
     all_three("")
         .or_else(|| {
             names.iter().filter_map(|n| n.strip_suffix('R')).filter(|p| p.ends_with('.')).find_map(all_three)
         })
-        .or_else(|| names.iter().any(|n| n == "Y").then(|| ColourNames::Grey(Text::from("Y"))))
+        .or_else(|| names.contains("Y").then(|| ColourNames::Grey(Text::from("Y"))))
 }
 
 fn with_windows(header: &Header, grid: &Grid) -> Image {

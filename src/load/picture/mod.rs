@@ -9,7 +9,7 @@ mod pfm;
 mod tests;
 pub(crate) mod texels;
 
-use super::open::open_regular;
+use super::open::Reach;
 use crate::error::{Error, Result};
 use crate::film::Image;
 use crate::texture::Transfer;
@@ -47,7 +47,15 @@ pub struct Picture {
 /// # Errors
 /// The system's reason; an unknown format; a damaged file; more than [`MOST_PIXELS`] pixels.
 pub fn read(path: &Path) -> Result<Picture> {
-    let (file, length) = open_regular(path)?;
+    read_within(&Reach::Anywhere, path)
+}
+
+/// As [`read`], of a file within `reach`.
+///
+/// # Errors
+/// As [`read`]; the file is out of reach.
+pub(crate) fn read_within(reach: &Reach, path: &Path) -> Result<Picture> {
+    let (file, length) = reach.open(path)?;
     if length > MOST_BYTES {
         return Err(Error::new(format!("{length} bytes are too many for a picture")).at(path));
     }
@@ -115,6 +123,12 @@ fn is_targa(bytes: &[u8]) -> bool {
         && matches!(bits, 8 | 15 | 16 | 24 | 32)
         && [w0, w1] != [0; 2]
         && [h0, h1] != [0; 2]
+}
+
+/// The error of a file that begins well. It says nothing that the file says: another file may have named it.
+fn damaged(what: &str) -> Error {
+    Error::new(format!("cannot decode the {what}"))
+        .advise("it is damaged, incomplete or of a kind that is not supported")
 }
 
 /// Refuses a picture without pixels or with too many.

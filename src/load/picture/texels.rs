@@ -2,7 +2,7 @@
 
 use super::{Kind, MOST_PIXELS, exr, kind_of, pfm};
 use crate::error::Result;
-use crate::load::open::open_regular;
+use crate::load::open::Reach;
 use crate::load::texture::Place;
 use crate::texture::{Data, Texels, Transfer};
 use ::image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
@@ -18,6 +18,8 @@ const SURPLUS: u64 = 64 << 20;
 pub(crate) enum Trouble {
     /// The operating system's reason, or that it is no regular file.
     Unreadable(String),
+    /// It is not within reach.
+    Refused(String),
     /// No bytes.
     Empty,
     /// Not a format that is known.
@@ -29,10 +31,15 @@ pub(crate) enum Trouble {
 }
 
 impl Trouble {
+    /// The kind of finding that it is.
+    pub fn kind(&self) -> &'static str {
+        if matches!(self, Trouble::Refused(_)) { "path-refused" } else { "texture-unreadable" }
+    }
+
     /// For a message, after "the file".
     pub fn message(&self) -> String {
         match self {
-            Trouble::Unreadable(why) => format!("cannot be read: {why}"),
+            Trouble::Unreadable(why) | Trouble::Refused(why) => format!("cannot be read: {why}"),
             Trouble::Empty => "is empty".to_string(),
             Trouble::Unknown => format!("is no picture that can be read (known: {})", super::KNOWN),
             Trouble::TooLarge => {
@@ -53,12 +60,12 @@ pub(crate) struct Probe {
     kind: Kind,
 }
 
-/// Reads the header of the picture at `place` and nothing else.
+/// Reads the header of the picture at `place`, and nothing else; in a file of its own it must be within `reach`.
 ///
 /// # Errors
 /// Everything that a header can tell.
-pub(crate) fn probe(place: &Place) -> Result<Probe, Trouble> {
-    let (mut file, length, kind) = open(place)?;
+pub(crate) fn probe(place: &Place, reach: &Reach) -> Result<Probe, Trouble> {
+    let (mut file, length, kind) = open(place, reach)?;
     let (size, bytes_a_pixel) = match kind {
         Kind::Exr => exr::size_of(&mut BufReader::new(&mut file)).map(|size| (size, 16)),
         Kind::Pfm => {
@@ -88,8 +95,8 @@ pub(crate) fn probe(place: &Place) -> Result<Probe, Trouble> {
 ///
 /// # Errors
 /// Damage, and a file that changed in between.
-pub(crate) fn texels(place: &Place, probe: &Probe) -> Result<Texels, Trouble> {
-    let (file, length, kind) = open(place)?;
+pub(crate) fn texels(place: &Place, reach: &Reach, probe: &Probe) -> Result<Texels, Trouble> {
+    let (file, length, kind) = open(place, reach)?;
     if kind != probe.kind || length > SURPLUS + 2 * probe.bytes {
         return Err(Trouble::Damaged);
     }
@@ -143,10 +150,13 @@ impl Seek for Opened {
 }
 
 /// The picture, its length and what it holds, told from its first bytes.
-fn open(place: &Place) -> Result<(Opened, u64, Kind), Trouble> {
+fn open(place: &Place, reach: &Reach) -> Result<(Opened, u64, Kind), Trouble> {
     let (mut file, length) = match place {
         Place::File(path) => {
-            let (file, length) = open_regular(path).map_err(|e| Trouble::Unreadable(e.message))?;
+            let (file, length) = reach.open(path).map_err(|e| match reach.holds(path) {
+                true => Trouble::Unreadable(e.message),
+                false => Trouble::Refused(e.message),
+            })?;
             (Opened::File(file), length)
         }
         Place::Inside(inside) => {
@@ -207,8 +217,8 @@ pub(super) fn coded<R: BufRead + Seek>(
 
 /// [`coded`] of bytes in memory, refused by their header if there are too many pixels.
 pub(super) fn coded_bytes(bytes: &[u8], format: ImageFormat) -> Result<(Texels, Transfer)> {
-    use crate::error::Error;
-    let damaged = |e: ::image::ImageError| Error::new(format!("cannot decode the picture: {e}"));
+    // The decoders' own words may hold the file's.
+    let damaged = |_: ::image::ImageError| super::damaged("picture");
     let decoder = reader(Cursor::new(bytes), format, u64::MAX).into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     super::check_size(width.into(), height.into())?;

@@ -14,11 +14,12 @@ use super::format::{Format, Reading};
 use super::input::Input;
 use super::obj::builder::{Builder, Corner};
 use super::object::Object;
-use super::texture::of_picture;
+use super::texture::{Sources, of_picture};
 use crate::error::{Findings, Result, Severity};
 use crate::shape::NO_INDEX;
 use header::{Header, Property};
 use rows::Reader;
+use std::collections::HashMap;
 use std::io::BufReader;
 use values::Values;
 
@@ -65,11 +66,15 @@ fn read(input: Input<'_>, reading: &Reading<'_>) -> Result<Object> {
         return Ok(Object::of_clay(read));
     }
     let mut findings = Findings::default();
+    let mut sources = Sources::new(reading.reach);
     let names = read.material_names.clone();
+    let stated = header.textures.iter().enumerate();
+    let textures: HashMap<String, &(u64, String)> =
+        stated.map(|(i, texture)| (texture_name(i), texture)).collect();
     let of_name = |name: &Vec<u8>| {
         let name = String::from_utf8_lossy(name).into_owned();
-        let texture = header.textures.iter().enumerate().find(|(i, _)| texture_name(*i) == name);
-        of_picture(&name, texture.map(|(_, (line, picture))| (*line, picture.as_str())), file, &mut findings)
+        let picture = textures.get(&name).map(|(line, picture)| (*line, picture.as_str()));
+        of_picture(&name, picture, file, &mut sources, &mut findings)
     };
     let materials = names.iter().map(of_name).collect();
     let mut object = Object::of_mesh(read, materials);

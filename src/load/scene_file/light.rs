@@ -1,5 +1,6 @@
 //! `[[light]]`: lights that are no geometry.
 
+use super::Home;
 use super::daylight::{self, SunSkyPlan};
 use super::reader::{Field, LIGHT, SHARE, Section};
 use crate::error::{Error, Result, show_path, unknown_word_advice};
@@ -50,10 +51,10 @@ impl LightPlan {
 }
 
 /// Reads every light; at most one environment.
-pub(super) fn read_all(field: &Field<'_>, folder: &Path) -> Result<Vec<LightPlan>> {
+pub(super) fn read_all(field: &Field<'_>, home: &Home<'_>) -> Result<Vec<LightPlan>> {
     let mut lights: Vec<LightPlan> = Vec::new();
     for item in field.list("a list of tables, [[light]]")? {
-        let light = read(item.section()?, &item, folder)?;
+        let light = read(item.section()?, &item, home)?;
         if light.is_environment() && lights.iter().any(LightPlan::is_environment) {
             return Err(item.error("a second environment").advise("a scene has one; add their radiances up"));
         }
@@ -89,7 +90,7 @@ fn kind(word: &str) -> Result<Kind> {
     }
 }
 
-fn read(mut light: Section<'_>, field: &Field<'_>, folder: &Path) -> Result<LightPlan> {
+fn read(mut light: Section<'_>, field: &Field<'_>, home: &Home<'_>) -> Result<LightPlan> {
     let kind = light.read("type", |f| f.word(&[], kind))?;
     let kind = kind.ok_or_else(|| {
         field.error(format!("{} has no type", field.name())).advise("e.g. type = \"environment\"")
@@ -101,7 +102,7 @@ fn read(mut light: Section<'_>, field: &Field<'_>, folder: &Path) -> Result<Ligh
         light.read(key, |f| f.color(LIGHT))?.ok_or_else(|| light.missing(field, key))
     };
     let plan = match kind {
-        Kind::Environment => environment(&mut light, folder)?,
+        Kind::Environment => environment(&mut light, home)?,
         Kind::SunSky => LightPlan::SunSky(daylight::read(&mut light)?),
         Kind::Spot => spot(&mut light, field)?,
         Kind::Point => LightPlan::Point {
@@ -148,7 +149,7 @@ fn spot(light: &mut Section<'_>, field: &Field<'_>) -> Result<LightPlan> {
     Ok(LightPlan::Spot { position, direction, cos_outer, cos_inner, intensity })
 }
 
-fn environment(light: &mut Section<'_>, folder: &Path) -> Result<LightPlan> {
+fn environment(light: &mut Section<'_>, home: &Home<'_>) -> Result<LightPlan> {
     let radiance = light.read("radiance", |f| f.color(LIGHT))?;
     let scale = light.read("scale", |f| f.number(LIGHT))?.unwrap_or(1.0) as f32;
     let up = light.get("up");
@@ -161,7 +162,7 @@ fn environment(light: &mut Section<'_>, folder: &Path) -> Result<LightPlan> {
         }
         let rotate = rotate.map(|f| f.number(-36_000.0..=36_000.0)).transpose()?.unwrap_or(0.0);
         let up = up.map(unit).transpose()?;
-        return Ok(LightPlan::Picture { picture: picture(&file, folder)?, scale, rotate, up });
+        return Ok(LightPlan::Picture { picture: picture(&file, home)?, scale, rotate, up });
     }
     if let Some(rotate) = rotate {
         return Err(rotate.error(format!("{} goes with file", rotate.name())));
@@ -184,13 +185,14 @@ fn environment(light: &mut Section<'_>, folder: &Path) -> Result<LightPlan> {
 }
 
 /// Reads the picture that `file` names.
-fn picture(file: &Field<'_>, folder: &Path) -> Result<SkyPicture> {
+fn picture(file: &Field<'_>, home: &Home<'_>) -> Result<SkyPicture> {
     let name = Path::new(file.text()?);
     if name.as_os_str().is_empty() {
         return Err(file.error(format!("{} is empty", file.name())).advise("e.g. file = \"sky.exr\""));
     }
-    SkyPicture::read(&folder.join(name)).map_err(|why| {
-        let mut error = file.error(format!("{}: {}", show_path(&folder.join(name)), why.message));
+    let path = home.folder.join(name);
+    SkyPicture::read(&path, home.reach).map_err(|why| {
+        let mut error = file.error(format!("{}: {}", show_path(&path), why.message));
         let relative = "a relative path starts in the scene file's folder";
         error.advice = why.advice.or_else(|| name.is_relative().then(|| relative.to_string()));
         error

@@ -1,5 +1,6 @@
 //! `[materials.NAME]`: a material of its own, or changes to the one of that name in an MTL.
 
+use super::Home;
 use super::reader::{Field, LIGHT, SHARE, Section};
 use super::texture::Textures;
 use crate::bsdf::fresnel::Reflectance;
@@ -12,6 +13,7 @@ use crate::bsdf::{
 };
 use crate::error::{Error, Result, unknown_word_advice};
 use crate::load::materials::{MaterialSpec, MixSpec};
+use crate::load::texture::Sources;
 use crate::math::Rgb;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -42,14 +44,21 @@ enum Change {
 }
 
 /// Reads every material by name.
-pub(super) fn read_all<'t>(field: &Field<'t>, folder: &Path) -> Result<BTreeMap<String, MaterialPatch<'t>>> {
+pub(super) fn read_all<'t>(
+    field: &Field<'t>,
+    home: &Home<'_>,
+) -> Result<BTreeMap<String, MaterialPatch<'t>>> {
     let materials = field.section()?.all();
-    materials.into_iter().map(|(name, field)| Ok((name.to_string(), read(field, folder)?))).collect()
+    let mut sources = Sources::new(home.reach);
+    materials
+        .into_iter()
+        .map(|(name, field)| Ok((name.to_string(), read(field, home.folder, &mut sources)?)))
+        .collect()
 }
 
-fn read<'t>(field: Field<'t>, folder: &Path) -> Result<MaterialPatch<'t>> {
+fn read<'t>(field: Field<'t>, folder: &Path, sources: &mut Sources) -> Result<MaterialPatch<'t>> {
     let mut table = field.section()?;
-    let textures = Textures::take(&mut table, folder)?;
+    let textures = Textures::take(&mut table, folder, sources)?;
     let kind = table.get("type");
     let is_mix = matches!(&kind, Some(f) if f.text()? == Mix::NAME.0);
     let model = match kind {

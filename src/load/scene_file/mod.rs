@@ -27,6 +27,7 @@ pub(crate) use reader::Field;
 pub(crate) use tree::Entries;
 
 use super::framing::CameraPlan;
+use super::open::Reach;
 use crate::camera::Projection;
 use crate::error::{Error, Findings, Result};
 use crate::scene::{Quantity, Settings};
@@ -80,14 +81,22 @@ pub(crate) fn tree_of_mesh(file: &Path) -> Entries {
     Entries::from([("mesh".to_string(), entry(Value::List(vec![Node::from_flag(mesh, &flag)])))])
 }
 
-/// Reads every section. Paths in it are relative to `folder`; `settings` are the defaults.
+/// Where a scene's files are.
+pub(crate) struct Home<'a> {
+    /// The folder that relative paths start in.
+    pub folder: &'a Path,
+    /// The files that may be read.
+    pub reach: &'a Reach,
+}
+
+/// Reads every section. Its files are in `home`; `settings` are the defaults.
 ///
 /// # Errors
 /// The first wrong value or unknown key, by line and column or by flag.
 pub(crate) fn read<'t>(
     tree: &'t Entries,
     file: &'t Path,
-    folder: &Path,
+    home: &Home<'_>,
     mut settings: Settings,
 ) -> Result<Plan<'t>> {
     let mut top = Section::top(tree, file);
@@ -105,10 +114,10 @@ pub(crate) fn read<'t>(
             .at(file)
             .advise("leave it out, or choose another camera"));
     }
-    let groups = top.read("groups", |f| mesh::read_groups(&f, folder))?.unwrap_or_default();
-    let meshes = top.read("mesh", |f| mesh::read_all(&f, folder, &groups))?.unwrap_or_default();
-    let materials = top.read("materials", |f| material::read_all(&f, folder))?.unwrap_or_default();
-    let lights = top.read("light", |f| light::read_all(&f, folder))?.unwrap_or_default();
+    let groups = top.read("groups", |f| mesh::read_groups(&f, home.folder))?.unwrap_or_default();
+    let meshes = top.read("mesh", |f| mesh::read_all(&f, home.folder, &groups))?.unwrap_or_default();
+    let materials = top.read("materials", |f| material::read_all(&f, home))?.unwrap_or_default();
+    let lights = top.read("light", |f| light::read_all(&f, home))?.unwrap_or_default();
     top.finish()?;
     Ok(Plan { settings, findings, camera, meshes, materials, lights })
 }

@@ -19,7 +19,8 @@ fn with<T>(text: &str, changes: &[&str], look: impl FnOnce(Plan<'_>) -> T) -> Re
     for change in changes {
         Override::parse(change)?.apply(&mut tree)?;
     }
-    read(&tree, Path::new(FILE), Path::new("dir"), Settings::default()).map(look)
+    let home = Home { folder: Path::new("dir"), reach: &Reach::Anywhere };
+    read(&tree, Path::new(FILE), &home, Settings::default()).map(look)
 }
 
 fn settings(text: &str, changes: &[&str]) -> Result<Settings> {

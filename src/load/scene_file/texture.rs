@@ -5,8 +5,7 @@ use super::reader::{COORDINATE, Field, SHARE, Section};
 use crate::bsdf::{Bsdf, Parameter, parameter::Channels};
 use crate::error::{Result, lookup};
 use crate::load::materials::MaterialSpec;
-use crate::load::open::Finder;
-use crate::load::texture::{MapSpec, Place, Slot, Source, Stated};
+use crate::load::texture::{MapSpec, Place, Slot, Source, Sources, Stated};
 use crate::math::Rgb;
 use crate::texture::{Channel, Filter, Mapping, Transfer, Wrap};
 use std::path::Path;
@@ -30,21 +29,20 @@ pub(super) struct Textures<'t> {
 }
 
 impl<'t> Textures<'t> {
-    /// Takes them out of `table`, whose other keys are then those of constants. Files count from `folder`.
+    /// Takes them out of `table`, whose other keys are then those of constants. Files are looked for from `folder`.
     ///
     /// # Errors
     /// A key that takes no picture; a wrong value.
-    pub fn take(table: &mut Section<'t>, folder: &Path) -> Result<Textures<'t>> {
+    pub fn take(table: &mut Section<'t>, folder: &Path, sources: &mut Sources) -> Result<Textures<'t>> {
         let mut maps = Vec::new();
-        let mut finder = Finder::default();
         for key in ["normal_map", "bump"] {
             if let Some(field) = table.get(key) {
-                let spec = read(&field, key, folder, &mut finder)?;
+                let spec = read(&field, key, folder, sources)?;
                 maps.push((field, spec));
             }
         }
         for (key, field) in table.take(Field::is_texture) {
-            let spec = read(&field, key, folder, &mut finder)?;
+            let spec = read(&field, key, folder, sources)?;
             maps.push((field, spec));
         }
         let opacity = table.read("opacity", |f| f.number(SHARE))?.map(|share| share as f32);
@@ -93,7 +91,7 @@ fn suits(slot: Slot, bsdf: &Bsdf) -> bool {
 }
 
 /// The picture that `field`, the material's `key`, states.
-fn read(field: &Field<'_>, key: &str, folder: &Path, finder: &mut Finder) -> Result<MapSpec> {
+fn read(field: &Field<'_>, key: &str, folder: &Path, sources: &mut Sources) -> Result<MapSpec> {
     let mut table = field.section()?;
     let Some(file) = table.get("texture") else { return Err(table.missing(field, "texture")) };
     let name = file.text()?;
@@ -114,7 +112,7 @@ fn read(field: &Field<'_>, key: &str, folder: &Path, finder: &mut Finder) -> Res
     let raw = table.read("raw", |f| f.bool())?.unwrap_or(data);
     let mapping = mapping(&mut table, if raw { Transfer::Linear } else { Transfer::Srgb })?;
     table.finish()?;
-    let found = Source::find(finder, folder, name.as_bytes());
+    let found = sources.find(folder, name.as_bytes());
     let source = found.map_or_else(|| Source::One(Place::File(folder.join(name))), |found| found.0);
     let stated =
         Stated { file: field.file().to_path_buf(), line: file.line(), title: field.name().to_string() };

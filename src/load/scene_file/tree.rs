@@ -86,22 +86,46 @@ pub(crate) fn locate(mut error: Error, origin: &Origin, file: &Path) -> Error {
 
 /// Where lines begin, to turn byte offsets into lines and columns.
 struct Lines<'t> {
-    text: &'t str,
+    text: &'t [u8],
     starts: Vec<usize>,
+    /// How many characters begin before each [`Lines::STEP`] bytes, so that a long line's places are soon counted.
+    before: Vec<usize>,
 }
 
 impl<'t> Lines<'t> {
+    const STEP: usize = 256;
+
     fn new(text: &'t str) -> Self {
-        let ends = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i + 1);
-        Lines { text, starts: std::iter::once(0).chain(ends).collect() }
+        let text = text.as_bytes();
+        let ends = text.iter().enumerate().filter(|(_, b)| **b == b'\n').map(|(i, _)| i + 1);
+        let starts = std::iter::once(0).chain(ends).collect();
+        let mut sum = 0;
+        let before = text.chunks(Self::STEP).map(|step| {
+            let before = sum;
+            sum += characters(step);
+            before
+        });
+        Lines { text, starts, before: before.collect() }
+    }
+
+    /// Characters that begin before `offset`.
+    fn characters_before(&self, offset: usize) -> usize {
+        let step = (offset / Self::STEP).min(self.before.len().saturating_sub(1));
+        let rest = self.text.get(step * Self::STEP..offset).unwrap_or_default();
+        self.before.get(step).copied().unwrap_or(0) + characters(rest)
     }
 
     fn origin(&self, offset: usize) -> Origin {
         let line = self.starts.partition_point(|start| *start <= offset).max(1);
         let start = self.starts.get(line - 1).copied().unwrap_or(0);
-        let column = self.text.get(start..offset).map_or(0, |before| before.chars().count());
+        let column = self.characters_before(offset).saturating_sub(self.characters_before(start));
         Origin::File { line: line as u64, column: column as u64 + 1 }
     }
+}
+
+/// How many characters of UTF-8 begin in `bytes`.
+fn characters(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|byte| **byte & 0xc0 != 0x80).count()
 }
 
 /// Parses a scene file's text.

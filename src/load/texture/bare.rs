@@ -5,7 +5,7 @@ use crate::bsdf::{Maps, Material, Mix};
 use crate::error::{Finding, Findings, Severity};
 use crate::load::materials::MaterialSpec;
 use crate::shape::{FaceMaterials, Mesh};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 /// Gives triangles that have pictures and no texture coordinates a twin of their material with constants, so that
@@ -23,10 +23,16 @@ pub(super) fn separate(
     let is_bare = |mesh: &Mesh, t: usize| {
         pictured.get(mesh.materials.get(t) as usize) == Some(&true) && mesh.triangle_uvs(t).is_none()
     };
+    // Placed several times, it is one mesh still, and looked at once.
+    let mut places: HashMap<*const Mesh, Vec<usize>> = HashMap::new();
+    for (i, mesh) in meshes.iter().enumerate() {
+        places.entry(Arc::as_ptr(mesh)).or_default().push(i);
+    }
     let mut counts: BTreeMap<u32, u64> = BTreeMap::new();
-    for mesh in meshes.iter() {
+    for places in places.values() {
+        let Some(mesh) = places.first().and_then(|i| meshes.get(*i)) else { continue };
         for t in (0..mesh.indices.len()).filter(|t| is_bare(mesh, *t)) {
-            *counts.entry(mesh.materials.get(t)).or_default() += 1;
+            *counts.entry(mesh.materials.get(t)).or_default() += places.len() as u64;
         }
     }
     if counts.is_empty() {
@@ -38,8 +44,8 @@ pub(super) fn separate(
             findings.push(warning(spec, triangles));
         }
     }
-    for i in 0..meshes.len() {
-        let Some(mesh) = meshes.get(i).cloned() else { continue };
+    for places in places.into_values() {
+        let Some(mesh) = places.first().and_then(|i| meshes.get(*i)).cloned() else { continue };
         let count = mesh.indices.len();
         if !(0..count).any(|t| is_bare(&mesh, t)) {
             continue;
@@ -50,12 +56,11 @@ pub(super) fn separate(
         let mut own = Mesh::clone(&mesh);
         own.materials = FaceMaterials::PerFace(ids.collect());
         let own = Arc::new(own);
-        // Placed several times, it is one mesh still.
-        meshes
-            .iter_mut()
-            .skip(i)
-            .filter(|other| Arc::ptr_eq(other, &mesh))
-            .for_each(|other| *other = own.clone());
+        for i in places {
+            if let Some(place) = meshes.get_mut(i) {
+                *place = own.clone();
+            }
+        }
     }
 }
 

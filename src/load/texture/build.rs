@@ -1,18 +1,21 @@
 //! Materials with their pictures on.
 
 use super::bare;
-use super::pictures::{self, Pictures};
+use super::pictures::{self, Means, Pictures};
 use super::{MapSpec, Slot, Source};
 use crate::bsdf::{Map, Maps, Material, Parameter};
 use crate::error::{Findings, Result};
 use crate::load::materials::MaterialSpec;
+use crate::load::open::Reach;
 use crate::math::Rgb;
 use crate::shape::Mesh;
-use crate::texture::{Channel, Opacity, Relief, Shape, Texels, Texture, Transfer};
+use crate::texture::{Channel, Opacity, Relief, Shape, Texels, Texture, Tiles, Transfer};
 use std::sync::Arc;
 
 /// What building may take, and who hears of it.
 pub(crate) struct Job<'a> {
+    /// The files that may be read.
+    pub reach: &'a Reach,
     /// Bytes of all textures together.
     pub most_bytes: u64,
     /// Its `false` cancels.
@@ -31,14 +34,14 @@ pub(crate) fn build(
     findings: &mut Findings,
 ) -> Result<Vec<Material>> {
     let maps = specs.iter().flat_map(|spec| &spec.maps);
-    let pictures = pictures::load(maps, job.most_bytes, job.progress, findings)?;
-    let mut materials: Vec<Material> = specs.iter().map(|spec| material(spec, Some(&pictures))).collect();
+    let mut pictures = pictures::load(maps, job.reach, job.most_bytes, job.progress, findings)?;
+    let mut materials: Vec<Material> = specs.iter().map(|spec| material(spec, Some(&mut pictures))).collect();
     bare::separate(specs, meshes, &mut materials, findings);
     Ok(materials)
 }
 
 /// The material that `spec` describes; without pictures, the constants in their place.
-pub(super) fn material(spec: &MaterialSpec, pictures: Option<&Pictures>) -> Material {
+pub(super) fn material(spec: &MaterialSpec, mut pictures: Option<&mut Pictures>) -> Material {
     let opacity = spec.opacity;
     let mut material = spec.clone().build();
     let mut maps = Maps::default();
@@ -46,8 +49,9 @@ pub(super) fn material(spec: &MaterialSpec, pictures: Option<&Pictures>) -> Mate
         maps.opacity = Some(Opacity { constant: opacity, texture: None });
     }
     for spec in &spec.maps {
-        match pictures.and_then(|pictures| texture(spec, pictures)) {
-            Some(texture) => lay(spec, texture, opacity, &mut maps, &mut material),
+        let shown = pictures.as_deref_mut().and_then(|all| Some((texture(spec, all)?, &mut all.means)));
+        match shown {
+            Some((texture, means)) => lay(spec, texture, means, opacity, &mut maps, &mut material),
             None => do_without(spec, &mut material),
         }
     }
@@ -58,23 +62,36 @@ pub(super) fn material(spec: &MaterialSpec, pictures: Option<&Pictures>) -> Mate
 }
 
 /// The picture or set of `spec`, as far as its files could be decoded.
-fn texture(spec: &MapSpec, pictures: &Pictures) -> Option<Texture> {
+fn texture(spec: &MapSpec, pictures: &mut Pictures) -> Option<Texture> {
+    let Pictures { by_place, sets, .. } = pictures;
     match &spec.source {
-        Source::One(place) => Some(Texture::new(pictures.get(place)?.clone(), spec.mapping)),
-        Source::Tiles(tiles) => {
-            let tiles =
-                tiles.iter().filter_map(|(number, path)| Some((*number, pictures.get(path)?.clone())));
-            Texture::tiles(tiles.collect(), spec.mapping, spec.fallback.unwrap_or(Rgb::ZERO))
+        Source::One(place) => Some(Texture::new(by_place.get(place)?.clone(), spec.mapping)),
+        Source::Tiles(files) => {
+            let set = sets.entry(Arc::as_ptr(files)).or_insert_with(|| {
+                let tiles = files.iter().filter_map(|(n, place)| Some((*n, by_place.get(place)?.clone())));
+                Tiles::new(tiles.collect())
+            });
+            let absent = spec.fallback.unwrap_or(Rgb::ZERO);
+            Some(Texture::tiles(set.clone()?, spec.mapping, absent))
         }
     }
 }
 
 /// Puts a picture where it belongs.
-fn lay(spec: &MapSpec, texture: Texture, opacity: f32, maps: &mut Maps, material: &mut Material) {
+fn lay(
+    spec: &MapSpec,
+    texture: Texture,
+    means: &mut Means,
+    opacity: f32,
+    maps: &mut Maps,
+    material: &mut Material,
+) {
     match spec.slot {
         Slot::Parameter(Parameter::Emission) => {
             // For choosing among lights; what a point emits is looked up.
-            material.emission = Parameter::Emission.clamp(texture.mean());
+            // Many materials may have one picture, and its mean takes a look at every texel.
+            let mean = *means.entry(texture.mean_key()).or_insert_with(|| texture.texel_mean());
+            material.emission = Parameter::Emission.clamp(texture.of_mean(mean));
             maps.emission = Some(texture);
         }
         Slot::Alpha if !texture.has_alpha() => {}
@@ -112,7 +129,7 @@ fn looks_like_normals(texels: &Texels) -> bool {
     let (mut count, mut unit, mut outwards) = (0u32, 0u32, 0.0f32);
     let [width, height] = texels.size().map(|n| n as usize);
     let step = (width * height / 4096).max(1);
-    for [r, g, b, _] in texels.pixels(Transfer::Linear).step_by(step) {
+    for [r, g, b, _] in texels.some_pixels(Transfer::Linear, step) {
         let [x, y, z] = [r, g, b].map(|c| 2.0 * c - 1.0);
         count += 1;
         // A light grey of a height map is a unit vector too, along the diagonal.

@@ -15,7 +15,7 @@ pub(crate) use build::{Job, build};
 pub(crate) use mtl::{Search, of_mtl};
 pub(crate) use pictures::MOST_BYTES;
 pub(crate) use plain::of_picture;
-pub(crate) use source::{Inside, Place, Source};
+pub(crate) use source::{Inside, Place, Source, Sources};
 
 use super::materials::MaterialSpec;
 use crate::bsdf::Parameter;

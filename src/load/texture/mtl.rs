@@ -1,12 +1,12 @@
 //! Which of an MTL's texture statements changes what.
 
-use super::{MapSpec, Slot, Source, Stated};
+use super::{MapSpec, Slot, Source, Sources, Stated};
 use crate::bsdf::{Bsdf, Parameter};
 use crate::error::{Finding, Findings, Severity, show_path};
 use crate::load::auto;
 use crate::load::materials::MaterialSpec;
 use crate::load::mtl::{self, At, MtlMaterial, TextureOptions};
-use crate::load::open::{Finder, Match};
+use crate::load::open::{Match, Reach};
 use crate::math::Rgb;
 use crate::texture::{Channel, Mapping, Transfer, Wrap};
 use std::collections::HashSet;
@@ -19,13 +19,17 @@ const BUMP: f32 = 0.01;
 
 /// The search for the textures of one OBJ's materials. A library is a file that another file names, so a name that
 /// stands in it and leads nowhere is not quoted.
-#[derive(Default)]
 pub(crate) struct Search {
-    finder: Finder,
+    sources: Sources,
     told: HashSet<(PathBuf, PathBuf)>,
 }
 
 impl Search {
+    /// One that reads what is within `reach`.
+    pub fn new(reach: &Reach) -> Self {
+        Search { sources: Sources::new(reach), told: HashSet::new() }
+    }
+
     fn find(
         &mut self,
         key: &str,
@@ -35,7 +39,7 @@ impl Search {
     ) -> Option<Source> {
         let folder = m.library.parent().unwrap_or(Path::new(""));
         let name = &texture.value.file;
-        let found = Source::find(&mut self.finder, folder, name.as_os_str().as_bytes());
+        let found = self.sources.find(folder, name.as_os_str().as_bytes());
         let how = found.as_ref().map(|found| found.1);
         if how != Some(Match::Exact) && self.told.insert((folder.to_path_buf(), name.clone())) {
             let title = m.title();

@@ -1,11 +1,10 @@
 //! The material of a format that knows pictures and nothing else of materials.
 
-use super::{MapSpec, Slot, Source, Stated};
+use super::{MapSpec, Slot, Sources, Stated};
 use crate::bsdf::Parameter;
 use crate::error::{Finding, Findings, Severity};
 use crate::load::auto;
 use crate::load::materials::MaterialSpec;
-use crate::load::open::Finder;
 use crate::texture::{Mapping, Transfer};
 use std::path::Path;
 
@@ -14,13 +13,14 @@ pub(crate) fn of_picture(
     name: &str,
     picture: Option<(u64, &str)>,
     file: &Path,
+    sources: &mut Sources,
     findings: &mut Findings,
 ) -> MaterialSpec {
     let mut spec = MaterialSpec::diffuse(name, auto::CLAY);
     let Some((line, picture)) = picture else { return spec };
     let folder = file.parent().unwrap_or(Path::new(""));
     let stated = Stated { file: file.to_path_buf(), line, title: format!("\"{name}\"") };
-    match Source::find(&mut Finder::default(), folder, picture.as_bytes()) {
+    match sources.find(folder, picture.as_bytes()) {
         Some((source, _)) => spec.maps.push(MapSpec {
             slot: Slot::Parameter(Parameter::Reflectance),
             source,

@@ -1,6 +1,7 @@
 //! Where the pictures of a texture are: one, or the tiles of a UDIM set; in files of their own or inside another.
 
-use crate::load::open::{Finder, Match, path_from_bytes};
+use crate::load::open::{Finder, Match, Reach, path_from_bytes};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -70,8 +71,8 @@ impl Place {
 pub(crate) enum Source {
     /// One picture.
     One(Place),
-    /// Tiles of a UDIM set by number, ascending.
-    Tiles(Vec<(u32, Place)>),
+    /// Tiles of a UDIM set by number, ascending; one list for all that name the set.
+    Tiles(Arc<[(u32, Place)]>),
 }
 
 impl Source {
@@ -79,15 +80,31 @@ impl Source {
     pub fn places(&self) -> impl Iterator<Item = &Place> {
         let (one, tiles) = match self {
             Source::One(place) => (Some(place), [].as_slice()),
-            Source::Tiles(tiles) => (None, tiles.as_slice()),
+            Source::Tiles(tiles) => (None, tiles.as_ref()),
         };
         one.into_iter().chain(tiles.iter().map(|tile| &tile.1))
     }
+}
+
+/// Looks for the files of many textures; each folder is listed once, and each set looked for once.
+#[derive(Debug)]
+pub(crate) struct Sources {
+    finder: Finder,
+    /// By folder and by what stands before and after the number.
+    sets: HashMap<(PathBuf, [Vec<u8>; 2]), Arc<[(u32, Place)]>>,
+}
+
+impl Sources {
+    /// Files within `reach`.
+    pub fn new(reach: &Reach) -> Self {
+        Sources { finder: Finder::new(reach), sets: HashMap::new() }
+    }
 
     /// The files that a scene in `folder` calls `name`, and how the name led to them.
-    pub fn find(finder: &mut Finder, folder: &Path, name: &[u8]) -> Option<(Source, Match)> {
+    pub fn find(&mut self, folder: &Path, name: &[u8]) -> Option<(Source, Match)> {
         let Some(at) = token(name) else {
-            return finder.find(folder, name).map(|found| (Source::One(Place::File(found.path)), found.how));
+            let found = self.finder.find(folder, name)?;
+            return Some((Source::One(Place::File(found.path)), found.how));
         };
         let slashes: Vec<u8> = name.iter().map(|&b| if b == b'\\' { b'/' } else { b }).collect();
         let start = slashes.iter().take(at).rposition(|&b| b == b'/').map_or(0, |slash| slash + 1);
@@ -96,7 +113,15 @@ impl Source {
         let inside = folder.join(path_from_bytes(slashes.get(..start)?));
         let folders = [(inside, Match::Exact), (folder.to_path_buf(), Match::OtherFolder)];
         folders.into_iter().find_map(|(folder, how)| {
-            let tiles = tiles(finder, &folder, prefix, suffix);
+            let key = (folder, [prefix.to_vec(), suffix.to_vec()]);
+            let tiles = match self.sets.get(&key) {
+                Some(tiles) => tiles.clone(),
+                None => {
+                    let tiles: Arc<[_]> = tiles(&mut self.finder, &key.0, prefix, suffix).into();
+                    self.sets.insert(key, tiles.clone());
+                    tiles
+                }
+            };
             (!tiles.is_empty()).then_some((Source::Tiles(tiles), how))
         })
     }

@@ -1,0 +1,14 @@
+//! Pictures of every format: as many pixels as they say, or an error.
+
+use drt::load::picture::{MOST_PIXELS, decode};
+
+/// The bytes are the file.
+pub fn run(bytes: &[u8]) {
+    let Ok(picture) = decode(bytes) else { return };
+    let image = picture.image;
+    let pixels = u64::from(image.width) * u64::from(image.height);
+    assert!((1..=MOST_PIXELS).contains(&pixels));
+    assert_eq!(image.rgb_pixels().len() as u64, pixels);
+    assert!(image.offset[0] + image.width <= image.full_size[0].max(image.width));
+    assert!(image.offset[1] + image.height <= image.full_size[1].max(image.height));
+}

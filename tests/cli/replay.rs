@@ -1,0 +1,34 @@
+//! The fuzz targets' own functions, on their seeds and on everything that was ever found (`fuzz/README.md`).
+
+#[path = "../../fuzz/src/lib.rs"]
+mod targets;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten();
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files
+}
+
+/// A18: what once broke a promise keeps it now.
+#[test]
+fn a18_what_fuzzing_found() {
+    let fuzz = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz");
+    for (name, run) in targets::TARGETS {
+        let seeds = files(&fuzz.join("seeds").join(name));
+        assert!(seeds.len() >= 3, "{name} has {} seeds", seeds.len());
+        for file in seeds.into_iter().chain(files(&fuzz.join("found").join(name))) {
+            eprintln!("{}", file.display());
+            run(&fs::read(&file).unwrap());
+        }
+    }
+    for folder in ["seeds", "found"].map(|folder| fuzz.join(folder)) {
+        for target in files(&folder).iter().filter(|path| path.is_dir()) {
+            let name = target.file_name().unwrap().to_string_lossy();
+            assert!(targets::TARGETS.iter().any(|row| row.0 == name), "{name} is no target");
+        }
+    }
+}
