@@ -7,6 +7,7 @@ use crate::load::object::Object;
 use crate::load::scene_file::{Field, MaterialPatch, MeshPlan};
 use crate::math::Rgb;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::Arc;
 
 /// How many mixtures may stand within each other: each is a call within the other's.
 const DEEPEST_MIX: usize = 100;
@@ -16,8 +17,18 @@ const DEEPEST_MIX: usize = 100;
 pub enum Choice {
     /// This one.
     One(u32),
-    /// By the file's ids.
-    ByFile(Vec<u32>),
+    /// By the file's ids; one list for all who choose it.
+    ByFile(Arc<[u32]>),
+}
+
+impl Choice {
+    /// What tells it from the other choices for a file's mesh.
+    pub fn key(&self) -> Option<u32> {
+        match self {
+            Choice::One(id) => Some(*id),
+            Choice::ByFile(_) => None,
+        }
+    }
 }
 
 /// The scene's materials as they gather.
@@ -27,7 +38,7 @@ pub struct Palette<'p> {
     /// The materials, by id.
     pub specs: Vec<MaterialSpec>,
     /// By file: scene ids of its materials, once they are in.
-    of_file: Vec<Option<Vec<u32>>>,
+    of_file: Vec<Option<Arc<[u32]>>>,
     /// By file: where its materials are, by name; of several of one name the first.
     by_name: Vec<Option<HashMap<String, usize>>>,
     /// Scene ids of materials that meshes name, by name and the file they come from.
@@ -156,7 +167,7 @@ impl<'p> Palette<'p> {
         Ok(Choice::One(id))
     }
 
-    fn own(&mut self, own: &[MaterialSpec], file: usize) -> Result<Vec<u32>> {
+    fn own(&mut self, own: &[MaterialSpec], file: usize) -> Result<Arc<[u32]>> {
         if let Some(ids) = self.of_file.get(file).and_then(Option::as_ref) {
             return Ok(ids.clone());
         }
@@ -165,6 +176,7 @@ impl<'p> Palette<'p> {
             let spec = self.patched(spec.clone())?;
             ids.push(self.add_whole(spec, own, file, &[])?);
         }
+        let ids: Arc<[u32]> = ids.into();
         if let Some(slot) = self.of_file.get_mut(file) {
             *slot = Some(ids.clone());
         }

@@ -91,8 +91,11 @@ fn instanced(placements: &[Placement], objects: &[Option<Object>], specs: &[Mate
         let copies = places.get(&kind(p)).map_or(0, |count| count - 1);
         triangles.saturating_mul(copies) > MOST_COPIED
     };
+    let mut shining: BTreeMap<(usize, Option<u32>), bool> = BTreeMap::new();
+    let mut shines =
+        |p: &Placement| *shining.entry((p.file, p.choice.key())).or_insert_with(|| emits(&p.choice, specs));
     let decide = |p: &Placement| match p.course.as_slice() {
-        [] if emits(&p.choice, specs) => false,
+        [] if shines(p) => false,
         [] => p.instance.unwrap_or_else(|| pays(p)),
         _ => true,
     };
@@ -201,14 +204,10 @@ pub fn place_all(
 fn same_places<'p>(
     placements: impl Iterator<Item = (usize, &'p Placement)>,
 ) -> (Vec<(usize, &'p Placement)>, Vec<usize>) {
-    let mut known: BTreeMap<(Kind, [u64; 16], &[u32]), usize> = BTreeMap::new();
+    let mut known: BTreeMap<(Kind, [u64; 16], Option<u32>), usize> = BTreeMap::new();
     let (mut firsts, mut shared) = (Vec::new(), Vec::new());
     for (i, p) in placements {
-        let materials = match &p.choice {
-            Choice::One(id) => std::slice::from_ref(id),
-            Choice::ByFile(ids) => ids,
-        };
-        let at = *known.entry((kind(p), p.transform.bits(), materials)).or_insert_with(|| {
+        let at = *known.entry((kind(p), p.transform.bits(), p.choice.key())).or_insert_with(|| {
             firsts.push((i, p));
             firsts.len() - 1
         });

@@ -1,10 +1,8 @@
 //! Which meshes are kept once, and what each instance takes of them.
 
-use super::palette::Choice;
 use super::places::{Kind, Placement, Stock, kind};
-use crate::load::materials::MaterialSpec;
 use crate::shape::{Mesh, NO_INDEX};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// The meshes that have instances, and what each instance takes of them.
 pub struct Prototypes<'p> {
@@ -18,49 +16,72 @@ impl<'p> Prototypes<'p> {
     /// Of placements with their indices.
     pub fn new(instances: impl Iterator<Item = (usize, &'p Placement)> + Clone, stock: &Stock<'_>) -> Self {
         let mut all = Prototypes { of: Vec::new(), uses: Vec::new() };
+        let mut substitutes = Substitutes::new(stock);
+        // By what a mesh is and what its materials are, and the first one of each kind.
+        let mut known: BTreeMap<(Kind, Option<u32>), usize> = BTreeMap::new();
+        let mut first: BTreeMap<Kind, usize> = BTreeMap::new();
         // Meshes with their own materials first: they serve those with others as well.
-        let mut known: BTreeMap<Kind, Vec<usize>> = BTreeMap::new();
-        let by_file = instances.clone().filter(|(_, p)| matches!(p.choice, Choice::ByFile(_)));
-        for (_, p) in by_file {
-            known.entry(kind(p)).or_insert_with(|| {
+        for (_, p) in instances.clone().filter(|(_, p)| p.choice.key().is_none()) {
+            let mesh = *known.entry((kind(p), None)).or_insert_with(|| {
                 all.of.push(p);
-                vec![all.of.len() - 1]
+                all.of.len() - 1
             });
+            first.entry(kind(p)).or_insert(mesh);
         }
         for (_, p) in instances {
-            let meshes = known.entry(kind(p)).or_default();
-            let of = &all.of;
-            let same = meshes.iter().find(|m| of.get(**m).is_some_and(|other| other.choice == p.choice));
-            let fits = match (same, &p.choice) {
-                (Some(mesh), _) => Some((*mesh, None)),
-                (None, Choice::One(id)) if stands_in(*id, p, stock) => {
-                    meshes.first().map(|m| (*m, Some(*id)))
+            let (kind, own) = (kind(p), p.choice.key());
+            if let Some(mesh) = known.get(&(kind, own)) {
+                all.uses.push((*mesh, None));
+                continue;
+            }
+            match (first.get(&kind), own) {
+                (Some(mesh), Some(id)) if substitutes.allow(id, p) => all.uses.push((*mesh, own)),
+                _ => {
+                    all.of.push(p);
+                    let mesh = all.of.len() - 1;
+                    known.insert((kind, own), mesh);
+                    first.entry(kind).or_insert(mesh);
+                    all.uses.push((mesh, None));
                 }
-                _ => None,
-            };
-            let taken = fits.unwrap_or_else(|| {
-                all.of.push(p);
-                meshes.push(all.of.len() - 1);
-                (all.of.len() - 1, None)
-            });
-            all.uses.push(taken);
+            }
         }
         all
     }
 }
 
-/// Whether the material `id` can stand in for a mesh's own by name alone: where it has pictures, triangles without
-/// texture coordinates need to be known beforehand.
-fn stands_in(id: u32, p: &Placement, stock: &Stock<'_>) -> bool {
-    fn is_plain(id: u32, specs: &[MaterialSpec]) -> bool {
-        let Some(spec) = specs.get(id as usize) else { return true };
-        let parts_are_plain = |ids: [u32; 2]| ids.iter().all(|part| *part < id && is_plain(*part, specs));
-        spec.maps.is_empty() && spec.mix.as_ref().is_none_or(|mix| parts_are_plain(mix.ids))
+/// Which materials can stand in for a mesh's own by name alone: where one has pictures, triangles without texture
+/// coordinates need to be known beforehand.
+struct Substitutes<'s> {
+    stock: &'s Stock<'s>,
+    /// By material: neither it nor a part of it has pictures.
+    is_plain: Vec<bool>,
+    /// By file, as far as it was asked: all triangles have texture coordinates.
+    has_all: HashMap<usize, bool>,
+}
+
+impl<'s> Substitutes<'s> {
+    fn new(stock: &'s Stock<'s>) -> Self {
+        let mut is_plain: Vec<bool> = Vec::with_capacity(stock.specs.len());
+        for spec in stock.specs {
+            // Parts come before the mixture.
+            let part_is_plain = |part: &u32| is_plain.get(*part as usize) == Some(&true);
+            let parts_are_plain = spec.mix.as_ref().is_none_or(|mix| mix.ids.iter().all(part_is_plain));
+            is_plain.push(spec.maps.is_empty() && parts_are_plain);
+        }
+        Substitutes { stock, is_plain, has_all: HashMap::new() }
     }
-    let has_all = |mesh: &Mesh| {
-        mesh.uvs.as_ref().is_some_and(|uvs| {
-            uvs.indices.as_ref().is_none_or(|own| !own.iter().flatten().any(|i| *i == NO_INDEX))
-        })
-    };
-    is_plain(id, stock.specs) || p.mesh(stock.objects).is_some_and(|o| has_all(&o.mesh))
+
+    /// Whether the material `id` can stand in for those of a placement's mesh.
+    fn allow(&mut self, id: u32, p: &Placement) -> bool {
+        let has_all = |mesh: &Mesh| {
+            mesh.uvs.as_ref().is_some_and(|uvs| {
+                uvs.indices.as_ref().is_none_or(|own| !own.iter().flatten().any(|i| *i == NO_INDEX))
+            })
+        };
+        self.is_plain.get(id as usize) != Some(&false)
+            || *self
+                .has_all
+                .entry(p.file)
+                .or_insert_with(|| p.mesh(self.stock.objects).is_some_and(|o| has_all(&o.mesh)))
+    }
 }

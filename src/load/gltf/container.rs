@@ -3,10 +3,11 @@
 use super::item::Item;
 use crate::error::{Error, Result};
 use crate::load::input::{Input, ReadingProgress, no_memory};
-use crate::load::open::{Finder, Reach};
+use crate::load::open::{Finder, Reach, real};
 use serde_json::Value;
+use std::collections::HashMap;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A file is read as a whole; more than this many bytes are refused.
@@ -65,20 +66,22 @@ impl Document {
     pub fn buffers(&mut self, file: &Path, reach: &Reach) -> Result<Vec<Arc<Vec<u8>>>> {
         let mut binary = self.binary.take();
         let root = Item::root(&self.json, file);
+        let longest = root.list("buffers").map(|buffer| buffer.size("byteLength", None));
+        let longest = longest.collect::<Result<Vec<usize>>>()?.into_iter().max().unwrap_or(0);
+        let mut beside = Beside { finder: Finder::new(reach), reach, longest, read: HashMap::new() };
         let mut buffers = Vec::new();
         for buffer in root.list("buffers") {
             let length = buffer.size("byteLength", None)?;
-            let mut bytes = match buffer.text("uri") {
+            let bytes = match buffer.text("uri") {
                 // A buffer that nothing uses may be a stand-in for a compressed one.
-                None => binary.take().unwrap_or_default(),
-                Some(uri) => fetch(uri, length as u64, &buffer, file, reach)?,
+                None => Arc::new(binary.take().unwrap_or_default()),
+                Some(uri) => beside.fetch(uri, &buffer, file)?,
             };
             if bytes.len() < length && !(bytes.is_empty() && buffer.get("extensions").is_some()) {
                 let have = bytes.len();
                 return Err(buffer.error(&format!("says {length} bytes, and there are {have}")));
             }
-            bytes.truncate(length);
-            buffers.push(Arc::new(bytes));
+            buffers.push(bytes);
         }
         Ok(buffers)
     }
@@ -92,20 +95,39 @@ fn parse(text: &[u8], file: &Path) -> Result<Value> {
     })
 }
 
-/// The bytes that a URI names, at most `most` of them.
-fn fetch(uri: &str, most: u64, item: &Item<'_>, file: &Path, reach: &Reach) -> Result<Vec<u8>> {
-    if let Some(data) = uri.strip_prefix("data:") {
-        return data_uri(data).ok_or_else(|| item.error("has a data: URI that is not base64"));
+/// The files beside a document. Each is read once, however many buffers are said to be in it.
+struct Beside<'r> {
+    finder: Finder,
+    reach: &'r Reach,
+    /// So many bytes of each are enough.
+    longest: usize,
+    read: HashMap<PathBuf, Arc<Vec<u8>>>,
+}
+
+impl Beside<'_> {
+    /// The bytes that a URI names.
+    fn fetch(&mut self, uri: &str, item: &Item<'_>, file: &Path) -> Result<Arc<Vec<u8>>> {
+        if let Some(data) = uri.strip_prefix("data:") {
+            let bytes = data_uri(data).ok_or_else(|| item.error("has a data: URI that is not base64"))?;
+            return Ok(Arc::new(bytes));
+        }
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let found = self.finder.find(folder, &unescape(uri));
+        let found = found.ok_or_else(|| item.error("is in a file that was not found beside this one"))?;
+        let path = real(&found.path);
+        if let Some(bytes) = self.read.get(&path) {
+            return Ok(bytes.clone());
+        }
+        let failed = |why: String| item.error(&format!("is in a file that cannot be read: {why}"));
+        let (handle, length) = self.reach.open(&found.path).map_err(|e| failed(e.message))?;
+        let mut bytes = Vec::new();
+        let most = length.min(self.longest as u64);
+        bytes.try_reserve_exact(most as usize).map_err(|_| no_memory(file))?;
+        handle.take(most).read_to_end(&mut bytes).map_err(|e| failed(e.to_string()))?;
+        let bytes = Arc::new(bytes);
+        self.read.insert(path, bytes.clone());
+        Ok(bytes)
     }
-    let folder = file.parent().unwrap_or(Path::new(""));
-    let found = Finder::new(reach).find(folder, &unescape(uri));
-    let found = found.ok_or_else(|| item.error("is in a file that was not found beside this one"))?;
-    let failed = |why: String| item.error(&format!("is in a file that cannot be read: {why}"));
-    let (handle, length) = reach.open(&found.path).map_err(|e| failed(e.message))?;
-    let mut bytes = Vec::new();
-    bytes.try_reserve_exact(length.min(most) as usize).map_err(|_| no_memory(file))?;
-    handle.take(most).read_to_end(&mut bytes).map_err(|e| failed(e.to_string()))?;
-    Ok(bytes)
 }
 
 /// What follows `data:`, decoded.

@@ -26,6 +26,7 @@ use material::Materials;
 use nodes::Nodes;
 use primitive::Primitive;
 use skin::Skin;
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -139,13 +140,34 @@ impl Meshes<'_, '_> {
         let root = &self.document.root;
         let bytes: u64 = self.document.buffers.iter().map(|buffer| buffer.len() as u64).sum();
         let most = most.min(MOST_COPIED.max(bytes.saturating_mul(COPIES_A_BYTE)));
+        let file = self.document.file;
         let mut total = 0u64;
+        let mut count = |vertices: u64| {
+            total = total.saturating_add(vertices);
+            if total <= most {
+                return Ok(());
+            }
+            let error = format!("its nodes show meshes again and again, with more than {most} vertices");
+            Err(Error::new(error).at(file).advise("split it, or place its mesh in a scene file"))
+        };
+        let mut skins: HashMap<usize, Arc<Skin>> = HashMap::new();
         for placed in &nodes.placed {
             let Some(mesh) = placed.node.index("mesh")? else { continue };
             let mesh = root.at("meshes", mesh)?;
-            let skin = placed.node.index("skin")?;
-            let skin = skin.map(|skin| Skin::of(self.document, nodes, skin)).transpose()?;
+            let skin = match placed.node.index("skin")? {
+                None => None,
+                Some(index) => Some(match skins.get(&index) {
+                    Some(skin) => skin.clone(),
+                    None => {
+                        let skin = Arc::new(Skin::of(self.document, nodes, index)?);
+                        skins.insert(index, skin.clone());
+                        skin
+                    }
+                }),
+            };
             let copies = nodes::copies(root, &placed.node, &self.document.buffers)?;
+            // Places take time as well, be there vertices or not.
+            count(copies.len() as u64)?;
             let weights = if placed.node.get("weights").is_some() { &placed.node } else { &mesh };
             let weights: Vec<f64> = weights.list("weights").filter_map(|w| w.value.as_f64()).collect();
             for item in mesh.list("primitives") {
@@ -153,15 +175,9 @@ impl Meshes<'_, '_> {
                     self.left_out += 1;
                     continue;
                 };
-                total = total.saturating_add(primitive.size().saturating_mul(copies.len() as u64));
-                if total > most {
-                    let error =
-                        format!("its nodes show meshes again and again, with more than {most} vertices");
-                    let error = Error::new(error).at(self.document.file);
-                    return Err(error.advise("split it, or place its mesh in a scene file"));
-                }
+                count(primitive.size().saturating_mul(copies.len() as u64))?;
                 for copy in &copies {
-                    primitive.add(&(placed.matrix * *copy), skin.as_ref(), self.builder)?;
+                    primitive.add(&(placed.matrix * *copy), skin.as_deref(), self.builder)?;
                 }
             }
         }
