@@ -25,3 +25,62 @@ pub fn catch<T>(work: impl FnOnce() -> T) -> Result<T, String> {
         first.unwrap_or_else(|| "unknown".to_string())
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use drt::accel::{Backend, Checked, Coherence, Hits, Intersector, Mask};
+    use drt::render::{self, Hooks};
+    use std::path::Path;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    /// Breaks at the question of that number.
+    struct Broken<'a> {
+        whole: &'a dyn Intersector,
+        left: AtomicU32,
+    }
+
+    impl Intersector for Broken<'_> {
+        fn closest(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
+            assert!(self.left.fetch_sub(1, Ordering::Relaxed) > 1, "the hierarchy broke");
+            self.whole.closest(rays, coherence, hits);
+        }
+
+        fn occluded(&self, rays: Checked<'_>, coherence: Coherence) -> Mask {
+            self.whole.occluded(rays, coherence)
+        }
+
+        fn bytes(&self) -> usize {
+            self.whole.bytes()
+        }
+
+        fn isa(&self) -> &str {
+            self.whole.isa()
+        }
+    }
+
+    /// A worker that panics in the middle of a picture ends the render with its message; nobody waits for it.
+    #[test]
+    fn d8_a_worker_that_panics_is_one_message() {
+        let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box.toml");
+        let mut loaded = drt::load::scene(&input, drt::load::Options::default()).unwrap();
+        (loaded.settings.size, loaded.settings.spp) = ([96, 96], 4);
+        loaded.settings.backend = Backend::Bvh;
+        let (scene, settings) = (&loaded.scene, &loaded.settings);
+        let hooks = Hooks::NONE;
+        let whole = render::build(scene, settings, None, &hooks).unwrap();
+        let usual = panic::take_hook();
+        silence();
+        let messages = [(2, 1), (2, 40), (64, 1), (64, 40)].map(|(threads, left)| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let broken = Broken { whole: &*whole, left: AtomicU32::new(left) };
+            catch(|| pool.install(|| render::render(scene, settings, &broken, None, &hooks).map(|_| ())))
+        });
+        panic::set_hook(usual);
+        for message in messages {
+            let message = message.expect_err("a panic");
+            assert!(message.starts_with("the hierarchy broke (src/cli/panics.rs:"), "{message}");
+        }
+        assert_eq!(catch(|| 1), Ok(1));
+    }
+}

@@ -2,6 +2,7 @@
 
 use super::universal::engines;
 use super::{drt, folder, names};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -36,44 +37,83 @@ fn some(i: u64, most: u64) -> Duration {
 fn d5_killed_at_any_time_the_same_bytes_come_out() {
     let folder = folder();
     let dir = folder.path();
+    // One that takes no time to load, and one whose loading and building are hit as well.
+    fs::write(dir.join("g.obj"), grid(150)).unwrap();
     let kills = if std::env::var_os("DRT_HEAVY_TESTS").is_some() { 200 } else { 10 };
     let engines: Vec<[&str; 4]> = engines().collect();
+    let mut phases: BTreeMap<String, u64> = BTreeMap::new();
     let mut killed = 0;
     let mut round = 0;
     while killed < kills {
         let engine = engines[round % engines.len()];
         // A whole number of blocks, and one that cuts the last one short.
-        let spp = ["512", "600"][round / engines.len() % 2];
-        let job = words(&[&["t.obj", "--ground"], &PICTURE, &["--spp", spp], &OUTPUTS, &engine[..2]]);
+        let (mesh, spp) = [("t.obj", "512"), ("g.obj", "90")][round / engines.len() % 2];
+        let job = words(&[&[mesh, "--ground"], &PICTURE, &["--spp", spp], &OUTPUTS, &engine[..2]]);
         drt(dir, &job).expect(0, &[]);
         let whole = take(dir);
-        let kept = ["--checkpoint", "c", "--every", "20ms", "--resume"];
+        let kept = ["--checkpoint", "c", "--every", "20ms", "--resume", "--progress", "json"];
         loop {
+            let said = dir.join("said");
             let mut command = Command::new(assert_cmd::cargo::cargo_bin("drt"));
-            command.args(&job).args(kept).args(&engine[2..]).current_dir(dir).stderr(Stdio::null());
+            command
+                .args(&job)
+                .args(kept)
+                .args(&engine[2..])
+                .current_dir(dir)
+                .stderr(fs::File::create(&said).unwrap());
             let mut child = command.spawn().unwrap();
             wait_at_most(&mut child, some(killed, 250));
             let _ = child.kill();
             let ended = child.wait().unwrap();
+            let phase = last_phase(&said);
             if ended.success() {
                 break;
             }
             killed += 1;
-            let left: Vec<String> = names(dir).into_iter().filter(|n| n.starts_with(".drt-")).collect();
-            assert_eq!(left, Vec::<String>::new(), "a temporary file is left");
-            for name in ["x.exr", "x.png"] {
-                if dir.join(name).exists() {
-                    drt::load::picture::read(&dir.join(name)).unwrap();
-                }
-            }
-            if dir.join("c").exists() {
-                drt::checkpoint::read(&fs::read(dir.join("c")).unwrap()).unwrap();
-            }
+            *phases.entry(phase).or_default() += 1;
+            all_is_old_or_whole(dir);
         }
         assert!(take(dir) == whole, "round {round}: {engine:?}, {spp} samples");
         fs::remove_file(dir.join("c")).unwrap();
         round += 1;
     }
+    eprintln!("{killed} kills in {round} renders, by phase: {phases:?}");
+    assert!(kills < 200 || phases.len() > 3, "not every phase was hit: {phases:?}");
+}
+
+/// Nothing but whole pictures and a whole checkpoint, or none.
+fn all_is_old_or_whole(dir: &Path) {
+    let left: Vec<String> = names(dir).into_iter().filter(|n| n.starts_with(".drt-")).collect();
+    assert_eq!(left, Vec::<String>::new(), "a temporary file is left");
+    for name in ["x.exr", "x.png"] {
+        if dir.join(name).exists() {
+            drt::load::picture::read(&dir.join(name)).unwrap();
+        }
+    }
+    if dir.join("c").exists() {
+        drt::checkpoint::read(&fs::read(dir.join("c")).unwrap()).unwrap();
+    }
+}
+
+/// A sheet of `2 n²` triangles that is not flat.
+fn grid(n: usize) -> String {
+    let vertex = |i: usize| format!("v {} {} {}\n", i % (n + 1), i * 7 % 5, i / (n + 1));
+    let quad = |i: usize| {
+        let a = i / n * (n + 1) + i % n + 1;
+        format!("f {a} {} {} {}\n", a + 1, a + n + 2, a + n + 1)
+    };
+    (0..(n + 1) * (n + 1)).map(vertex).chain((0..n * n).map(quad)).collect()
+}
+
+/// The last phase that a program's progress names; `start` before the first.
+fn last_phase(said: &Path) -> String {
+    let text = fs::read_to_string(said).unwrap();
+    let _ = fs::remove_file(said);
+    let phase = |line: &str| {
+        let value: serde_json::Value = serde_json::from_str(line).ok()?;
+        value["phase"].as_str().map(str::to_string)
+    };
+    text.lines().rev().find_map(phase).unwrap_or_else(|| "start".to_string())
 }
 
 /// Waits for the end of `child`, but no longer than so.

@@ -111,6 +111,65 @@ fn b10_files_of_a_scene_stay_in_its_folder() {
     }
 }
 
+/// Buffers and pictures that a glTF names, the picture that a PLY names.
+#[test]
+fn b10_files_of_other_formats_stay_in_its_folder() {
+    let folder = folder();
+    let dir = folder.path();
+    folders(dir);
+    let inside = dir.join("inside");
+    let corners: [f32; 15] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0];
+    let bytes: Vec<u8> = corners.iter().flat_map(|x| x.to_le_bytes()).collect();
+    for sub in ["inside", "inside/sub", "outside"] {
+        fs::write(dir.join(sub).join("b.bin"), &bytes).unwrap();
+    }
+    symlink("../outside/b.bin", inside.join("link.bin")).unwrap();
+    let gltf = |buffer: &str, picture: &str| {
+        serde_json::json!({
+            "asset": { "version": "2.0" }, "nodes": [{ "mesh": 0 }],
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "material": 0 }] }],
+            "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }],
+            "textures": [{ "source": 0 }], "images": [{ "uri": picture }],
+            "accessors": [
+                { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" },
+                { "bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2" },
+            ],
+            "bufferViews": [
+                { "buffer": 0, "byteLength": 36 },
+                { "buffer": 0, "byteOffset": 36, "byteLength": 24 },
+            ],
+            "buffers": [{ "uri": buffer, "byteLength": 60 }],
+        })
+        .to_string()
+    };
+    let ply = |picture: &str| {
+        format!(
+            "ply\nformat ascii 1.0\ncomment TextureFile {picture}\nelement vertex 3\nproperty float x\n\
+             property float y\nproperty float z\nproperty float s\nproperty float t\nelement face 1\n\
+             property list uchar int vertex_indices\nend_header\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"
+        )
+    };
+    let run = |name: &str, text: String, words: &[&str]| {
+        fs::write(inside.join(name), text).unwrap();
+        drt(&inside, &tiny(&[name, "-o", "x.exr"], words))
+    };
+    for (prefixes, refused) in [(&OUT, true), (&IN, false)] {
+        for name in names(dir, prefixes, "b.bin") {
+            let words: &[&str] = if refused { &["a.gltf: buffers[0]", "--secure"] } else { &[] };
+            run("a.gltf", gltf(&name, "p.pfm"), &["--secure"]).expect(i32::from(refused), words);
+            run("a.gltf", gltf(&name, "p.pfm"), &["--strict"]).expect(0, &[]);
+        }
+        for name in names(dir, prefixes, "p.pfm") {
+            for (file, text) in [("a.gltf", gltf("b.bin", &name)), ("a.ply", ply(&name))] {
+                let ended = run(file, text.clone(), &["--secure"]);
+                ended.expect(0, &[]);
+                assert_eq!(ended.err.contains("--secure"), refused, "{file} {name}: {}", ended.err);
+                run(file, text, &["--strict"]).expect(0, &[]);
+            }
+        }
+    }
+}
+
 /// Decoders have words of their own, and those hold the file's.
 #[test]
 fn b10_skies_are_not_quoted() {

@@ -66,13 +66,16 @@ impl Place {
     }
 }
 
+/// Tiles by number, ascending.
+pub(crate) type Set = Arc<[(u32, Place)]>;
+
 /// The pictures of a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Source {
     /// One picture.
     One(Place),
     /// Tiles of a UDIM set by number, ascending; one list for all that name the set.
-    Tiles(Arc<[(u32, Place)]>),
+    Tiles(Set),
 }
 
 impl Source {
@@ -91,7 +94,7 @@ impl Source {
 pub(crate) struct Sources {
     finder: Finder,
     /// By folder and by what stands before and after the number.
-    sets: HashMap<(PathBuf, [Vec<u8>; 2]), Arc<[(u32, Place)]>>,
+    sets: HashMap<(PathBuf, [Vec<u8>; 2]), Set>,
 }
 
 impl Sources {
@@ -117,7 +120,7 @@ impl Sources {
             let tiles = match self.sets.get(&key) {
                 Some(tiles) => tiles.clone(),
                 None => {
-                    let tiles: Arc<[_]> = tiles(&mut self.finder, &key.0, prefix, suffix).into();
+                    let tiles: Set = tiles(&mut self.finder, &key.0, prefix, suffix).into();
                     self.sets.insert(key, tiles.clone());
                     tiles
                 }
