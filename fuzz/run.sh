@@ -10,4 +10,4 @@ mkdir -p "fuzz/corpus/$target"
 # One thread: the pool would trace in an order of its own, and coverage would be noise.
 RAYON_NUM_THREADS=1 exec cargo +nightly fuzz run --sanitizer none "$target" \
   "fuzz/corpus/$target" "fuzz/seeds/$target" -- \
-  -runs="$executions" -timeout=20 -rss_limit_mb=3000 -max_len=4096 -print_final_stats=1
+  -runs="$executions" -timeout=20 -rss_limit_mb=3000 -max_len=8192 -print_final_stats=1

@@ -4,6 +4,8 @@
 //! stable Rust.
 
 pub mod bvh;
+pub mod checkpoint;
+pub mod formats;
 pub mod mtl;
 pub mod obj;
 pub mod picture;
@@ -18,14 +20,22 @@ use std::path::{Path, PathBuf};
 pub type Target = fn(&[u8]);
 
 /// Every target by name.
-pub const TARGETS: [(&str, Target); 6] = [
+pub const TARGETS: [(&str, Target); 11] = [
     ("obj", obj::run),
     ("mtl", mtl::run),
     ("scene_obj", scene_obj::run),
     ("scene_toml", scene_toml::run),
     ("picture", picture::run),
+    ("ply", formats::ply),
+    ("stl", formats::stl),
+    ("gltf", formats::gltf),
+    ("unpack", formats::unpack),
+    ("checkpoint", checkpoint::run),
     ("bvh", bvh::run),
 ];
+
+/// A picture of one white pixel.
+const PICTURE: &[u8] = b"PF\n1 1\n-1\n\0\0\x80\x3f\0\0\x80\x3f\0\0\x80\x3f";
 
 /// Fails unless `mesh` keeps the promises of [`Mesh`]; `materials`: how many there are.
 fn sound(mesh: &Mesh, materials: usize) {

@@ -26,7 +26,7 @@ pub fn run(data: &[u8]) {
     let settings = &mut loaded.settings;
     (settings.size, settings.spp, settings.max_depth) = ([4, 4], 1, 3);
     settings.backend = Backend::Bvh;
-    let hooks = Hooks { progress: &|_| (), stop: &|| false };
+    let hooks = Hooks::NONE;
     let accel = render::build(scene, settings, None, &hooks).expect("a hierarchy");
     let rendering = render::render(scene, settings, &*accel, None, &hooks).expect("a picture");
     assert_eq!(rendering.stats.invalid_samples, 0, "a sample is no radiance");

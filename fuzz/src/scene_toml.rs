@@ -4,15 +4,13 @@ use drt::load::open::Reach;
 use drt::load::{self, Options};
 
 const MESH: &[u8] = b"mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
-/// A picture of one white pixel.
-const PICTURE: &[u8] = b"PF\n1 1\n-1\n\0\0\x80\x3f\0\0\x80\x3f\0\0\x80\x3f";
 
 /// The bytes are the file; beside it are `t.obj`, `m.mtl` and `p.pfm`.
 pub fn run(text: &[u8]) {
     let folder = super::Folder::new();
     folder.write("t.obj", MESH);
     folder.write("m.mtl", b"newmtl a\nKd 0.5 0.5 0.5\nmap_Kd p.pfm\n");
-    folder.write("p.pfm", PICTURE);
+    folder.write("p.pfm", super::PICTURE);
     let input = folder.write("s.toml", text);
     let reach = Reach::folder_of(&input).expect("the folder");
     let loaded = match load::scene(&input, Options { reach, ..Options::default() }) {
