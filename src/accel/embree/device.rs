@@ -128,12 +128,15 @@ fn config(isa: &str, threads: usize) -> String {
 }
 
 /// TBB ends the process (`std::terminate`) where it cannot start a thread, which limits of the address space bring
-/// about; so what its threads need is asked for, and given back, before there are any.
+/// about; so where there is one, what its threads need is asked for, and given back, before there are any. Measured.
 fn check_room(threads: usize) -> Result<()> {
-    /// A stack of 4 MiB and two pools.
-    const A_THREAD: usize = 8 << 20;
+    /// Two stacks of 4 MiB, and the 64 MiB of addresses that the C library keeps for each thread's allocations.
+    const A_THREAD: usize = 72 << 20;
     /// The library's own pools and the first blocks of a tree.
-    const ALL: usize = 64 << 20;
+    const ALL: usize = 96 << 20;
+    if rustix::process::getrlimit(rustix::process::Resource::As).current.is_none() {
+        return Ok(());
+    }
     let machine = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = if threads == 0 { machine } else { threads.min(machine) };
     let mut room: Vec<u8> = Vec::new();
