@@ -9,7 +9,7 @@ for maker in shapes dragon; do
 done
 python3 scenes/make_forest.py scenes/data/dragon.obj -o scenes/data/dragons.toml
 mkdir -p docs/gallery
-usual="dragon soft-shadows gloss translucency depth-of-field still-life temple textures dragons materials"
+usual="dragon soft-shadows gloss translucency depth-of-field still-life temple textures dragons"
 for name in ${*:-$usual}; do
     scene=scenes/$name.toml
     [ -e "$scene" ] || scene=scenes/data/$name.toml

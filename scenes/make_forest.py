@@ -16,7 +16,7 @@ EARTH = 'type = "diffuse"\nreflectance = [0.30, 0.27, 0.20]'
 MATERIALS = {
     "clay": 'type = "diffuse"\nreflectance = [0.62, 0.42, 0.30]',
     "jade": 'type = "plastic"\nreflectance = [0.16, 0.42, 0.20]\nroughness = 0.25',
-    "gold": 'type = "conductor"\nmetal = "gold"\nroughness = 0.25',
+    "gold": 'type = "conductor"\nmetal = "gold"\nroughness = 0.5',
     "slate": 'type = "diffuse"\nreflectance = [0.20, 0.24, 0.30]',
 }
 
@@ -70,7 +70,7 @@ fov = 40
 size = [640, 360]
 
 [render]
-spp = 48
+spp = 32
 max_depth = 6
 
 [[light]]

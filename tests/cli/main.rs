@@ -8,6 +8,7 @@ mod diff;
 mod faults;
 mod files;
 mod formats;
+mod gallery;
 mod guide;
 mod mistakes;
 mod pictures;
