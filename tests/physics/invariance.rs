@@ -114,7 +114,7 @@ fn n3_a_clamp_scales_bright_samples_and_no_others() {
                 [[light]]\ntype = \"environment\"\nradiance = [0.125, 0.25, 0.5]\n";
     on_every_backend(|backend| {
         let at =
-            |set: &[&str]| stage(&toml, &[("cube.obj", cube())], backend, set).render(|_| ()).0.rgb_pixels();
+            |set: &[&str]| stage(toml, &[("cube.obj", cube())], backend, set).render(|_| ()).0.rgb_pixels();
         let plain = at(&[]);
         assert_eq!(plain, at(&["film.clamp=14"]));
         let clamped = at(&["film.clamp=2"]);
