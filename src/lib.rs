@@ -10,7 +10,7 @@
 //! image files ◀──output── Image ◀──film── pixels ◀──render── Integrator (waves of paths)
 //! ```
 //!
-//! `math, error ◀ quadrature, shape ◀ accel, texture ◀ {bsdf, light, camera, sampler, film} ◀ scene ◀ load ◀ integrator ◀ render ◀ cli`; `output ◀ checkpoint ◀ render`
+//! `math, error, memory ◀ quadrature, shape ◀ accel, texture ◀ {bsdf, light, camera, sampler, film} ◀ scene ◀ load ◀ integrator ◀ render ◀ cli`; `output ◀ checkpoint ◀ render`
 //!
 //! | to find … | open |
 //! |---|---|
@@ -25,6 +25,7 @@
 //! | who intersects, and who judges | [`accel`]: the trait, Embree, our BVH, the f64 judge |
 //! | which mesh formats there are | [`load`], `format.rs`: a format is a file and a row; packed files and standard input: `unpack.rs`, `input.rs` |
 //! | how OBJ, MTL and scene files are read | [`load`] |
+//! | how much memory there is, and what a picture needs | [`memory`], [`scene::need`] |
 //! | what is wrong with a mesh file | [`check`]: counts, topology, materials, findings |
 //! | what a picture file holds | [`output`], which sees only [`film::Image`] |
 //! | how a render goes on after an interruption | [`checkpoint`] |
@@ -64,6 +65,7 @@
 
 pub mod error;
 pub mod math;
+pub mod memory;
 pub mod quadrature;
 pub mod shape;
 

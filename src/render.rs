@@ -8,13 +8,14 @@ mod record;
 pub use crate::integrator::RenderStats;
 pub use keep::Keep;
 
-use crate::accel::{BuildOptions, Intersector};
+use crate::accel::{Backend, BuildOptions, Intersector};
 use crate::camera::Camera;
 use crate::checkpoint::Checkpoint;
 use crate::error::{Error, Result};
 use crate::film::Image;
 use crate::integrator::{Ao, Distribution, Normals, Path};
 use crate::light::Light;
+use crate::load::cache::Cache;
 use crate::math::isa::Isa;
 use crate::scene::{Compact, IntegratorKind, Scene, Settings};
 use picture::Picture;
@@ -64,6 +65,20 @@ pub fn build(
     isa: Option<Isa>,
     hooks: &Hooks<'_>,
 ) -> Result<Box<dyn Intersector>> {
+    build_through(None, scene, settings, isa, hooks)
+}
+
+/// As [`build`]; a structure that `cache` has is taken from there.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_through(
+    cache: Option<&Cache>,
+    scene: &Scene,
+    settings: &Settings,
+    isa: Option<Isa>,
+    hooks: &Hooks<'_>,
+) -> Result<Box<dyn Intersector>> {
     let progress = |share: f64| {
         (hooks.progress)(Progress::Build(share));
         !(hooks.stop)()
@@ -77,7 +92,11 @@ pub fn build(
     };
     settings.backend.check_range(&scene.meshes)?;
     settings.backend.check_range(&scene.instances.meshes)?;
-    settings.backend.build_all(&scene.geometry(), &options)
+    let rests = scene.instances.places.is_empty();
+    match cache.filter(|_| rests && settings.backend == Backend::Bvh) {
+        Some(cache) => Ok(Box::new(cache.bvh(&scene.meshes, &options)?)),
+        None => settings.backend.build_all(&scene.geometry(), &options),
+    }
 }
 
 /// The settings that a whole picture of `scene` will tell, as JSON.

@@ -41,6 +41,7 @@ pub mod bvh;
 pub mod embree;
 mod instances;
 pub mod judge;
+pub mod need;
 mod rays;
 pub(crate) mod settle;
 
@@ -181,16 +182,6 @@ impl Backend {
         }
         let known: Vec<&str> = Self::ALL.iter().map(|b| b.name()).collect();
         Err(Error::usage(format!("unknown backend \"{name}\"")).advise(unknown_word_advice(name, &known)))
-    }
-
-    /// Whether the usual layout over so many triangles would not fit into the memory that is free. The BVH has no
-    /// smaller one.
-    pub fn is_memory_short(self, #[cfg_attr(not(feature = "embree"), allow(unused))] triangles: u64) -> bool {
-        match self {
-            #[cfg(feature = "embree")]
-            Backend::Embree => embree::memory::is_short(triangles, embree::memory::available()),
-            Backend::Bvh => false,
-        }
     }
 
     /// Refuses meshes with coordinates that the backend would silently compute wrongly with. The BVH takes all that there

@@ -1,7 +1,9 @@
 //! The words of the command line, and the scene keys that they stand for.
 
+use super::cache::CacheArgs;
 use super::console::{Console, Verbosity};
 use super::machine;
+use super::memory::MemoryArgs;
 use super::progress::Style;
 use super::render::threads;
 use super::secure::SecureArgs;
@@ -196,6 +198,10 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     pub checkpoint: super::checkpoint::CheckpointArgs,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+    #[command(flatten)]
+    pub cache: CacheArgs,
 
     #[command(flatten)]
     pub files: SecureArgs,
@@ -258,6 +264,7 @@ impl RenderArgs {
         if let Some(aov) = &self.aov {
             all.push(Override::list("--aov", "film.aov", aov.split(',')));
         }
+        all.extend(self.memory.overrides()?);
         for text in &self.set {
             all.push(Override::parse(text)?);
         }

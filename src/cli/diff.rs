@@ -3,7 +3,6 @@
 use super::args::StudyArgs;
 use super::console::{Console, write_stdout};
 use super::converge::whole;
-use super::machine;
 use super::progress::{Phase, Style};
 use super::signals::Signals;
 use super::{Failure, paths};
@@ -14,6 +13,7 @@ use drt::diff::reproducer::{Reproducer, minimal};
 use drt::diff::{self, Contestant, Hooks, Report};
 use drt::error::{Error, Result, show_path};
 use drt::load::{self, Loaded, Override};
+use drt::memory;
 use drt::output;
 use drt::shape::Mesh;
 use serde_json::{Value, json};
@@ -131,9 +131,11 @@ impl Job {
         }
         loaded.scene = diff::at_rest(loaded.scene)?;
         let (scene, settings) = (&loaded.scene, &loaded.settings);
-        let needed = machine::prediction(scene.triangles(), settings) + self.rays * RAY_BYTES;
-        machine::check_memory(needed)
-            .map_err(|e| e.advise("take fewer --rays, or a machine with more memory"))?;
+        let needed = scene.need().of(settings) + self.rays * RAY_BYTES;
+        if let Some(left) = memory::left().filter(|left| needed > left.bytes) {
+            let advice = "take fewer --rays, or a machine with more memory";
+            return Err(memory::refused(needed, &format!("{} rays", self.rays), left, advice).into());
+        }
         let phase = Phase::begin(self.style, "diff");
         let hooks = Hooks { progress: &|share| phase.show_share(share), stop: &|| self.signals.stop() };
         let report = diff::run(scene, settings, &self.contestants, self.rays, &hooks)

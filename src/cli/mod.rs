@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, and the only code that prints.
 
 mod args;
+mod cache;
 mod check;
 mod checkpoint;
 mod compare;
@@ -10,6 +11,7 @@ mod diff;
 mod help;
 mod input;
 mod machine;
+mod memory;
 mod panics;
 mod paths;
 mod progress;

@@ -16,9 +16,11 @@ use super::stats::{Clock, Report};
 use drt::accel::Intersector;
 use drt::error::{Error, Findings, Result, Severity, show_path, unknown_word_advice};
 use drt::load::auto::{Up, View};
+use drt::load::cache::Cache;
 use drt::load::sky::SkySource;
 use drt::load::{self, Loaded};
 use drt::math::isa::Isa;
+use drt::memory::{self, megabytes};
 use drt::output::{self, ToneMap};
 use drt::render::{self, Hooks, Keep, Progress, RenderStats, Rendering};
 use drt::scene::Settings;
@@ -44,6 +46,7 @@ struct Job {
 pub fn run(args: RenderArgs) -> Result<(), Failure> {
     let clock = Clock::start();
     let mut job = Job::new(args)?;
+    job.args.memory.limit()?;
     let signals = Signals::listen()?;
     paths::check(&job.outputs, job.args.stats.as_deref(), file_of(job.kept.as_ref()))?;
     job.check_inputs(&job.outputs, [job.input.as_path()].into_iter())?;
@@ -96,7 +99,8 @@ impl Job {
             None => Failure::Error(error),
         };
         signals.nothing_to_lose("loading");
-        let mut loaded = self.load(signals).map_err(|e| ended_early("loading", e))?;
+        let cache = self.args.cache.open()?;
+        let mut loaded = self.load(cache.as_ref(), signals).map_err(|e| ended_early("loading", e))?;
         self.judge(&loaded)?;
         let seconds = clock.end("load");
         let (scene, settings) = (&loaded.scene, &loaded.settings);
@@ -107,9 +111,9 @@ impl Job {
             scene.materials.len(),
             duration(seconds)
         ));
-        let needed = machine::prediction(scene.triangles(), settings);
-        console.detail(&format!("building and rendering take about {}", machine::megabytes(needed)));
-        machine::check_memory(needed)?;
+        let needed = megabytes(scene.need().of(settings));
+        console.detail(&format!("building and rendering take about {needed}"));
+        scene.need().check(settings, memory::left())?;
         if let Some(kept) = &self.kept {
             kept.adopt(&loaded.scene, &mut loaded.settings, console)?;
         }
@@ -123,17 +127,20 @@ impl Job {
             }
         };
         let hooks = Hooks { progress: &progress, stop: &|| signals.stop() };
-        let mut accel =
-            render::build(scene, settings, self.isa, &hooks).map_err(|e| ended_early("building", e))?;
+        let mut accel = render::build_through(cache.as_ref(), scene, settings, self.isa, &hooks)
+            .map_err(|e| ended_early("building", e))?;
         drop(phase);
         let seconds = clock.end("build");
         console.detail(&format!(
             "built {} ({}, {}) in {}",
             settings.backend.name(),
             accel.isa(),
-            machine::megabytes(accel.bytes() as u64),
+            megabytes(accel.bytes() as u64),
             duration(seconds)
         ));
+        if let Some(cache) = &cache {
+            self.args.cache.report(cache, console);
+        }
 
         if let Some(pixel) = self.focus {
             let distance = render::focus(scene, settings, &*accel, pixel)?;
@@ -233,7 +240,7 @@ impl Job {
         paths::check_inputs(outputs, &others, inputs)
     }
 
-    fn load(&self, signals: &Signals) -> Result<Loaded> {
+    fn load(&self, cache: Option<&Cache>, signals: &Signals) -> Result<Loaded> {
         let phase = Phase::begin(self.style, "load");
         let progress = |share: f64| {
             phase.show_share(share);
@@ -264,6 +271,7 @@ impl Job {
                     })?,
                 opening: args.opening.opening()?,
                 reach: args.files.reach(&self.input)?,
+                cache,
                 progress: &progress,
             },
         )

@@ -3,6 +3,7 @@
 use super::console::write_stdout;
 use super::machine;
 use drt::error::{Findings, Result};
+use drt::memory;
 use drt::output;
 use drt::render::RenderStats;
 use drt::scene::{Scene, Settings};
@@ -108,7 +109,7 @@ impl Report<'_> {
             "rays": { "camera": stats.camera_rays, "bounce": stats.bounce_rays, "shadow": stats.shadow_rays },
             "rejected_rays": stats.rejected_rays,
             "invalid_samples": stats.invalid_samples,
-            "peak_rss_bytes": machine::peak_memory(),
+            "peak_rss_bytes": memory::peak(),
             "bvh_bytes": self.bvh_bytes,
         })
     }

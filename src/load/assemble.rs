@@ -17,7 +17,9 @@ use super::texture;
 use super::{Loaded, Options, Reading, STDIN, cancelled};
 use crate::error::{Error, Finding, Result, Severity, nearest, show_path};
 use crate::math::DVec3;
-use crate::scene::{IntegratorKind, Scene};
+use crate::memory;
+use crate::scene::need::Need;
+use crate::scene::{IntegratorKind, Scene, Settings};
 use lights::{is_dark, lamp, moved, place_light};
 use palette::{Choice, Palette};
 use places::{Placement, Stock, place_all, scene_origin};
@@ -159,6 +161,17 @@ fn check_files(meshes: &[MeshPlan<'_>], reach: &Reach) -> Result<()> {
     Ok(())
 }
 
+/// Refuses what will not fit into the memory that is left, from a look at each file.
+fn check_memory(paths: &[PathBuf], options: &Options<'_>, settings: &Settings) -> Result<()> {
+    let mut need = Need::default();
+    for path in paths {
+        if let Some((extent, meshes)) = super::format::forecast(path, &options.opening, &options.reach)? {
+            need.add(extent, meshes);
+        }
+    }
+    need.check(settings, memory::left())
+}
+
 /// Reads every file once.
 fn read_objects(plan: &Plan<'_>, options: &Options<'_>) -> Result<(Files, Vec<Option<Object>>)> {
     let meshes = &plan.meshes;
@@ -176,6 +189,7 @@ fn read_objects(plan: &Plan<'_>, options: &Options<'_>) -> Result<(Files, Vec<Op
         })
     });
     let of_mesh: Vec<usize> = of_mesh.collect();
+    check_memory(&paths, options, &plan.settings)?;
     let count = paths.len() as f64;
     let objects: Result<Vec<Option<Object>>> = paths
         .iter()
@@ -189,8 +203,8 @@ fn read_objects(plan: &Plan<'_>, options: &Options<'_>) -> Result<(Files, Vec<Op
                 let name = std::str::from_utf8(name).ok();
                 name.and_then(|name| plan.materials.get(name)).is_some_and(MaterialPatch::is_whole)
             };
-            let (opening, reach) = (options.opening, &options.reach);
-            let reading = Reading { opening, reach, defined: &is_whole, ..Reading::new(&progress) };
+            let (opening, reach, cache) = (options.opening, &options.reach, options.cache);
+            let reading = Reading { opening, reach, defined: &is_whole, cache, ..Reading::new(&progress) };
             super::read(path, &reading).map(Some)
         })
         .collect();

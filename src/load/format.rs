@@ -1,12 +1,16 @@
 //! The formats of mesh files. A format is a file beside this one and a row of [`FORMATS`], which the help and the
 //! messages walk.
 
+use super::cache::Cache;
 use super::input::{Input, ReadingProgress, STDIN};
 use super::object::Object;
 use super::open::Reach;
-use super::unpack;
+use super::unpack::{self, Packing};
 use super::{gltf, obj, ply, stl, wavefront};
+use crate::accel::need::Extent;
 use crate::error::{Error, Result, unknown_word_advice};
+use crate::scene::need::Meshes;
+use std::fs::File;
 use std::path::Path;
 
 /// A format of mesh files.
@@ -19,6 +23,8 @@ pub struct Format {
     pub extensions: &'static [&'static str],
     /// Whether a file that begins with these bytes may be one. Asked in the order of [`FORMATS`].
     pub(super) begins: fn(&[u8]) -> bool,
+    /// What the mesh in an open, unpacked file of so many bytes will take in memory, where a look tells that.
+    pub(super) forecast: fn(&File, u64) -> Option<(Extent, Meshes)>,
     /// Reads one.
     pub(super) read: fn(Input<'_>, &Reading<'_>) -> Result<Object>,
 }
@@ -43,13 +49,16 @@ pub(crate) struct Reading<'a> {
     pub reach: &'a Reach,
     /// The materials that need no definition.
     pub defined: &'a dyn Fn(&[u8]) -> bool,
+    /// Where meshes that were read before are kept.
+    pub cache: Option<&'a Cache>,
 }
 
 impl<'a> Reading<'a> {
     /// The whole file; `progress` hears the share done, and its `false` cancels.
     pub fn new(progress: ReadingProgress<'a>) -> Reading<'a> {
         let options = obj::ReadOptions { progress, ..obj::ReadOptions::default() };
-        Reading { options, opening: Opening::default(), reach: &Reach::Anywhere, defined: &|_| false }
+        let (opening, reach) = (Opening::default(), &Reach::Anywhere);
+        Reading { options, opening, reach, defined: &|_| false, cache: None }
     }
 }
 
@@ -60,6 +69,14 @@ pub struct Opening {
     pub format: Option<&'static Format>,
     /// The most bytes that may come out of a packed file; `None`: 256 MiB, or 64 times its size if that is more.
     pub max_unpacked: Option<u64>,
+}
+
+impl Opening {
+    /// The format of a file of that name which begins with `head`.
+    fn format_of(&self, file: &Path, head: &[u8]) -> Option<&'static Format> {
+        let by_content = || FORMATS.iter().copied().find(|format| (format.begins)(head));
+        self.format.or_else(|| Format::by_name(file)).or_else(by_content)
+    }
 }
 
 impl Format {
@@ -113,6 +130,21 @@ pub(crate) fn is_mesh(input: &Path, opening: &Opening) -> Result<bool> {
     }
 }
 
+/// What the mesh in `file` will take in memory, where a look at it tells that.
+///
+/// # Errors
+/// It cannot be opened.
+pub(crate) fn forecast(file: &Path, opening: &Opening, reach: &Reach) -> Result<Option<(Extent, Meshes)>> {
+    if file == Path::new(STDIN) {
+        return Ok(None);
+    }
+    let (open, bytes) = reach.open(file)?;
+    // What cannot be read now cannot be read later, and the reader will say why.
+    let head = super::input::beginning(&mut &open).unwrap_or_default();
+    let format = Packing::of(&head).map_or_else(|| opening.format_of(file, &head), |_| None);
+    Ok(format.and_then(|format| (format.forecast)(&open, bytes)))
+}
+
 /// Reads the mesh file `file`, or standard input where it is `-`.
 ///
 /// # Errors
@@ -120,8 +152,7 @@ pub(crate) fn is_mesh(input: &Path, opening: &Opening) -> Result<bool> {
 pub(crate) fn read(file: &Path, reading: &Reading<'_>) -> Result<Object> {
     let opening = &reading.opening;
     let input = Input::open(file, reading.reach, opening.max_unpacked, reading.options.progress)?;
-    let by_content = || FORMATS.iter().copied().find(|format| (format.begins)(&input.head));
-    let Some(format) = opening.format.or_else(|| Format::by_name(file)).or_else(by_content) else {
+    let Some(format) = opening.format_of(file, &input.head) else {
         let error = Error::new("its first bytes are those of no mesh format that is known").at(input.name);
         let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
         return Err(match input.head.is_empty() {

@@ -40,6 +40,14 @@ pub(crate) enum Share {
 }
 
 impl Share {
+    /// The file that is read, where it is one.
+    pub fn file(&self) -> Option<&File> {
+        match self {
+            Share::Of(file, _) => Some(file),
+            Share::Always(_) => None,
+        }
+    }
+
     /// From 0 to 1.
     pub fn now(&self) -> f64 {
         match self {
@@ -139,7 +147,7 @@ pub(crate) fn no_memory(file: &Path) -> Error {
     Error::new("not enough memory for the file").at(file).advise("use a machine with more memory")
 }
 
-fn beginning(from: &mut impl Read) -> io::Result<Vec<u8>> {
+pub(super) fn beginning(from: &mut impl Read) -> io::Result<Vec<u8>> {
     let mut head = Vec::new();
     from.take(HEAD as u64).read_to_end(&mut head).map(|_| head)
 }

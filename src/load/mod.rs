@@ -9,6 +9,7 @@
 
 mod assemble;
 pub mod auto;
+pub mod cache;
 mod classic;
 mod format;
 mod framing;
@@ -60,6 +61,8 @@ pub struct Options<'a> {
     pub max_texture_bytes: u64,
     /// How the input is opened, if it is a mesh.
     pub opening: Opening,
+    /// Where meshes that were read before are kept.
+    pub cache: Option<&'a cache::Cache>,
     /// Told now and then the share done (0 to 1); `false` cancels the reading, which then fails with
     /// [`cancelled`].
     pub progress: &'a (dyn Fn(f64) -> bool + Sync),
@@ -76,6 +79,7 @@ impl Default for Options<'_> {
             reach: Reach::Anywhere,
             max_texture_bytes: texture::MOST_BYTES,
             opening: Opening::default(),
+            cache: None,
             progress: &|_| true,
         }
     }

@@ -6,16 +6,21 @@
 use super::format::{Format, Reading};
 use super::input::{Input, failed, no_memory};
 use super::obj::builder::{Builder, Corner};
+use super::obj::forecast::plain;
 use super::object::Object;
 use super::words::{Value, Words};
+use crate::accel::need::Extent;
 use crate::error::{Error, Finding, Findings, Result, Severity};
+use crate::scene::need::Meshes;
 use std::collections::HashMap;
+use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read};
+use std::os::unix::fs::FileExt;
 use std::path::Path;
 
 /// The format.
 pub(super) const FORMAT: Format =
-    Format { name: "stl", meaning: "STL, as text and binary", extensions: &["stl"], begins, read };
+    Format { name: "stl", meaning: "STL, as text and binary", extensions: &["stl"], begins, forecast, read };
 
 /// Bytes before the facets: anything, and their number.
 const HEADER: usize = 84;
@@ -23,12 +28,29 @@ const HEADER: usize = 84;
 /// Bytes of a facet: a normal, three corners, two bytes of attributes.
 const FACET: usize = 50;
 
+/// Bytes of a facet in words: some 130 of words, 12 numbers.
+const FACET_OF_WORDS: u64 = 250;
+
+/// Bytes of the table of vertices, a vertex.
+const TABLE: u64 = 40;
+
 /// Binary STL has no signature: facets of usable numbers must follow a number of facets.
 fn begins(head: &[u8]) -> bool {
     let facets = head.get(HEADER..).unwrap_or_default().chunks_exact(FACET);
     let is_usable = |facet: &[u8]| corners(facet).iter().flatten().all(|x| x.abs() <= crate::accel::LARGEST);
     let count = stated_count(head).unwrap_or(0) as usize;
     is_text(head) || head.contains(&0) && (1..=count).contains(&facets.len()) && facets.clone().all(is_usable)
+}
+
+/// Closed surfaces have half as many vertices as triangles.
+fn forecast(file: &File, bytes: u64) -> Option<(Extent, Meshes)> {
+    let mut head = [0; HEADER];
+    file.read_exact_at(&mut head, 0).ok()?;
+    let facet = if is_text(&head) { FACET_OF_WORDS } else { FACET as u64 };
+    let (triangles, vertices) = (bytes / facet, bytes / facet / 2);
+    let (extent, mut meshes) = plain(vertices, triangles);
+    meshes.peak = meshes.peak.saturating_add(TABLE * vertices);
+    Some((extent, meshes))
 }
 
 /// Binary files may begin with "solid" too; but the bytes of numbers are no letters.

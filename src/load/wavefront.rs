@@ -14,6 +14,7 @@ pub(super) const FORMAT: Format = Format {
     meaning: "Wavefront OBJ with its material libraries (.mtl)",
     extensions: &["obj"],
     begins: is_text,
+    forecast: obj::forecast::forecast,
     read,
 };
 
@@ -36,7 +37,16 @@ fn read(input: Input<'_>, reading: &Reading<'_>) -> Result<Object> {
     let (reader, share) = input.into_parts();
     let progress = |_| (reading.options.progress)(share.now());
     let options = obj::ReadOptions { progress: &progress, ..reading.options };
-    let read = obj::read_from(reader, name, None, &options)?;
+    let parse = || obj::read_from(reader, name, None, &options);
+    let is_usual = !options.keep_empty && !options.face_lines;
+    let read = match reading.cache.filter(|_| is_usual).zip(share.file()) {
+        Some((cache, file)) => {
+            let unpacked = reading.opening.max_unpacked.unwrap_or(u64::MAX);
+            let limits = [options.max_line_bytes as u64, options.max_elements, unpacked];
+            cache.through((name, file), &limits, options.progress, parse)?
+        }
+        None => parse()?,
+    };
     let resolved = mtl::resolve(name, &read.libraries, &read.material_names, reading.defined, reading.reach);
     let mut findings = read.findings;
     findings.append(resolved.findings);

@@ -8,6 +8,8 @@ use crate::film::{Develop, Film, FilmUse, Tile, block, is_whole};
 use crate::integrator::wave::{Job, Wave};
 use crate::integrator::{Context, Integrator, RenderStats};
 use crate::math::isa::{self, Isa, Kernel};
+use crate::memory;
+use crate::scene::need::developed;
 use crate::scene::{Quantity, Scene, Settings};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -43,6 +45,9 @@ impl Picture<'_> {
         let keeps = self.keep.is_some() && !is_whole(s.spp);
         let film =
             Film::new(s.size, FilmUse { layers: !s.aovs.is_empty(), signed: cx.pixel.is_signed(), keeps })?;
+        // What the end needs is asked for before the first sample, not after the last.
+        memory::probe(developed(s) as usize + memory::HEADROOM)
+            .map_err(|_| Error::new("not enough memory for the picture").advise("take a smaller --size"))?;
         let crop = s.crop.unwrap_or([0, 0, s.size[0], s.size[1]]);
         let tiles = touched_tiles(crop, film.tiles()[0]);
         let done = AtomicU64::new(0);

@@ -3,6 +3,7 @@
 
 mod directions;
 mod fingerprint;
+pub mod need;
 pub mod settings;
 
 pub use directions::Directions;
@@ -11,6 +12,7 @@ pub use settings::{BuildQuality, Compact, IntegratorKind, LightSampling, Quantit
 pub use crate::sampler::SamplerKind;
 
 use crate::accel::Geometry;
+use crate::accel::need::Extent;
 use crate::bsdf::Material;
 use crate::camera::CameraSpec;
 use crate::light::Light;
@@ -70,6 +72,13 @@ impl Scene {
         let shutter = self.camera.shutter;
         let camera = self.camera.motion.as_ref().is_some_and(|motion| !motion.rests(shutter));
         camera || self.instances.places.iter().any(|place| !place.rests(shutter))
+    }
+
+    /// What building over it and rendering it will take in memory.
+    pub fn need(&self) -> need::Need {
+        let meshes = self.all_meshes().count() as u64;
+        let over = Extent { triangles: self.triangles(), vertices: self.vertices(), meshes };
+        need::Need { meshes: need::Meshes::default(), over }
     }
 
     /// The smallest box around everything while the shutter is open, in scene coordinates.

@@ -1,6 +1,7 @@
 //! The program as its users meet it: words in, files, messages and exit codes out.
 
 mod bounds;
+mod cache;
 mod check;
 mod converge;
 mod dependencies;
@@ -10,6 +11,7 @@ mod files;
 mod formats;
 mod gallery;
 mod guide;
+mod memory;
 mod mistakes;
 mod pictures;
 mod readme;

@@ -6,7 +6,7 @@
 //! kernels over eight and four lanes in their plain form, `avx` the same operations as intrinsics, `kernel` the choice
 //! between them and the hints to the memory. `traverse` walks, the rays of a chunk in turns where the structure is
 //! larger than a core's cache; `few` does without the tree where there are only some tens of triangles (`filter`); and
-//! `meeting` says of one triangle a lane where it is met.
+//! `meeting` says of one triangle a lane where it is met. `stored` makes a tree numbers, and numbers a tree.
 //!
 //! A hit is a function of the ray and of one triangle alone; boxes only leave triangles out that cannot be
 //! hit (proofs in `node` and `triangle`), and ties go to the lowest id. Hits at edges are settled once more among
@@ -32,6 +32,7 @@ mod parts;
 mod ray;
 mod spatial;
 mod split;
+pub mod stored;
 mod traverse;
 mod tree;
 mod triangle;
@@ -81,9 +82,13 @@ impl Bvh {
             pool.map_err(|e| Error::new(format!("cannot start threads for the build: {e}")))?
                 .install(build)?
         };
+        Ok(Bvh::over(tree, options.isa))
+    }
+
+    fn over(tree: build::Built, isa: Option<Isa>) -> Bvh {
         let few = Few::new(&tree.blocks);
         let in_turns = tree.bytes() as f64 > NEAR_BY as f64 * tree.leaves_of_one;
-        Ok(Bvh { tree, few, in_turns, isa: options.isa.unwrap_or_else(Isa::best) })
+        Bvh { tree, few, in_turns, isa: isa.unwrap_or_else(Isa::best) }
     }
 
     fn tree(&self) -> Tree<'_> {

@@ -5,6 +5,7 @@ use super::node::{Child, Node};
 use super::triangle::{BLOCK, Block};
 use crate::accel::{BuildOptions, cancelled};
 use crate::error::{Error, Result};
+use crate::memory;
 use crate::shape::Mesh;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -12,7 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Reserves room for `more` elements, or says that memory ran out.
 pub fn reserve<T>(vec: &mut Vec<T>, more: usize) -> Result<()> {
-    vec.try_reserve_exact(more).map_err(|_| {
+    memory::reserve(vec, more).map_err(|_| {
         let mib = (more * size_of::<T>()) >> 20;
         Error::new(format!("not enough memory for the acceleration structure ({mib} MiB more were needed)"))
             .advise("use a smaller mesh or a machine with more memory")

@@ -2,6 +2,7 @@
 
 mod answers;
 mod shape;
+mod stored;
 
 use super::few::Few;
 use super::meeting::Meetings;
@@ -10,8 +11,8 @@ use super::ray::Prepared;
 use super::split::PARALLEL;
 use super::traverse::{MAX_DEPTH, Stacks};
 use super::tree::{Found, Place, Tree, rank};
-use super::{build, build::Built};
-use crate::accel::{BuildOptions, LANES, Mask, Quality, Rays, for_lanes};
+use super::{Bvh, build, build::Built};
+use crate::accel::{BuildOptions, Intersector, LANES, Mask, Quality, Rays, for_lanes};
 use crate::math::Vec3;
 use crate::math::isa::{self, Isa, Kernel, Set};
 use crate::shape::Mesh;

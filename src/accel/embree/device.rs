@@ -2,6 +2,7 @@
 #![allow(unsafe_code)]
 
 use crate::error::{Error, Result};
+use crate::memory;
 use embree_sys as sys;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr::null_mut;
@@ -139,8 +140,7 @@ fn check_room(threads: usize) -> Result<()> {
     }
     let machine = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = if threads == 0 { machine } else { threads.min(machine) };
-    let mut room: Vec<u8> = Vec::new();
-    room.try_reserve_exact(ALL + threads * A_THREAD).map_err(|_| {
+    memory::probe(ALL + threads * A_THREAD).map_err(|_| {
         Error::new("not enough memory for Embree to start")
             .advise("raise the limit (ulimit -v), or use the backend \"bvh\"")
     })

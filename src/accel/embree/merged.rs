@@ -9,6 +9,7 @@ use super::scene::Buffers;
 use super::shared::sound;
 use crate::accel::{Hits, LANES, MISS, Mask};
 use crate::error::{Error, Result};
+use crate::memory::reserve;
 use crate::shape::{Mesh, Positions};
 use std::sync::Arc;
 
@@ -37,10 +38,9 @@ impl Merged {
         let triangles: usize = meshes.iter().map(|m| m.indices.len()).sum();
         let (mut positions, mut indices, mut first) = (Vec::new(), Vec::new(), Vec::new());
         let mut longest = vec![0.0; meshes.len()];
-        let room = positions
-            .try_reserve_exact(vertices + Positions::PADDING)
-            .and_then(|()| indices.try_reserve_exact(triangles))
-            .and_then(|()| first.try_reserve_exact(meshes.len() + 1));
+        let room = reserve(&mut positions, vertices + Positions::PADDING)
+            .and_then(|()| reserve(&mut indices, triangles))
+            .and_then(|()| reserve(&mut first, meshes.len() + 1));
         room.map_err(|_| {
             Error::new(format!("not enough memory to join {triangles} triangles for a low build"))
         })?;

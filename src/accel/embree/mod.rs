@@ -20,7 +20,6 @@
 pub mod bare;
 mod device;
 mod doubt;
-pub mod memory;
 mod merged;
 mod near;
 pub mod range;
@@ -39,6 +38,7 @@ use super::{BuildOptions, Checked, Coherence, Hits, Intersector, Mask, Quality, 
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::math::isa::Isa;
+use crate::memory::{self, Limit};
 use crate::shape::Mesh;
 use device::Device;
 use doubt::Areas;
@@ -82,14 +82,14 @@ impl Embree {
             return Err(Error::usage(format!("this machine has no {}", isa.name()))
                 .advise(format!("its best is \"{}\"", Isa::best().name())));
         }
-        Self::build_as(meshes, options, isa.name(), true, memory::available())
+        Self::build_as(meshes, options, isa.name(), true, memory_left())
     }
 
     /// Without the robust flag: rays slip through edges and vertices. For comparisons alone.
     #[doc(hidden)]
     pub fn build_fast(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Self> {
         let isa = options.isa.unwrap_or_else(Isa::best).min(Isa::best());
-        Self::build_as(meshes, options, isa.name(), false, memory::available())
+        Self::build_as(meshes, options, isa.name(), false, memory_left())
     }
 
     /// Builds with the kernels that Embree calls `isa`, of which it has more than drt, in `memory` bytes.
@@ -206,6 +206,14 @@ impl Triangles for Embree {
         let _ = self.trace(rays.check(active), Coherence::Incoherent, &mut hits);
         Some(hits)
     }
+}
+
+/// Bytes that Embree may take. Of the address space its threads take some that it does not count.
+fn memory_left() -> Option<u64> {
+    memory::left().map(|left| match left.limit {
+        Limit::AddressSpace => left.bytes.saturating_sub(memory::HEADROOM as u64),
+        _ => left.bytes,
+    })
 }
 
 /// Embree addresses vertices by 32-bit numbers of 4-byte words, so a buffer ends at 16 GiB; ids have 32

@@ -5,6 +5,7 @@ use super::scene::Buffers;
 use crate::accel::brute::has_area;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
+use crate::memory;
 use crate::shape::{Mesh, Positions};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -86,7 +87,7 @@ fn without_flat(mesh: &Mesh) -> Result<(Option<Vec<[u32; 3]>>, f32)> {
         return Ok((None, longest));
     }
     let mut own = Vec::new();
-    own.try_reserve_exact(mesh.indices.len())
+    memory::reserve(&mut own, mesh.indices.len())
         .map_err(|_| Error::new(format!("not enough memory for {} triangles", mesh.indices.len())))?;
     own.extend(mesh.indices.iter().map(|&corners| sound(&mesh.positions, corners, 0, &mut longest)));
     Ok((Some(own), longest))

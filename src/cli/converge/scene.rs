@@ -2,11 +2,12 @@
 
 use super::Job;
 use crate::cli::progress::Phase;
-use crate::cli::{Failure, args, machine, paths};
+use crate::cli::{Failure, args, paths};
 use drt::converge::scene::{Stage, shrink};
 use drt::converge::{F32, Hooks, Reference, Study, Value};
 use drt::error::{Error, Result, one_line, show_path};
 use drt::load::{self, Loaded, Override, picture};
+use drt::memory;
 use drt::render::{self, Progress};
 use std::path::{Path, PathBuf};
 
@@ -33,7 +34,7 @@ impl Job {
             self.console.say(&format!("warning: --reference {doubt}"));
         }
         let (scene, settings) = (&loaded.scene, &loaded.settings);
-        machine::check_memory(machine::prediction(scene.triangles(), settings))?;
+        scene.need().check(settings, memory::left())?;
 
         let phase = Phase::begin(self.style, "build");
         let progress = |p| {

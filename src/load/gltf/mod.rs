@@ -36,6 +36,8 @@ pub(super) const FORMAT: Format = Format {
     meaning: "glTF 2.0, as .gltf with files beside it and as one .glb",
     extensions: &["gltf", "glb"],
     begins: |head| head.starts_with(container::MAGIC) || head.trim_ascii_start().starts_with(b"{"),
+    // Buffers lie in files beside it, in any form.
+    forecast: |_, _| None,
     read,
 };
 

@@ -10,6 +10,7 @@
 use super::memory::{OutOfMemory, grow, push};
 use super::recenter::Bounds;
 use crate::math::DVec3;
+use crate::memory::reserve;
 use crate::shape::FaceMaterials;
 use rayon::prelude::*;
 
@@ -159,7 +160,7 @@ impl BloomFilter {
     fn new(elements: usize) -> Result<Self, OutOfMemory> {
         let count = (elements / 8).max(1).next_power_of_two();
         let mut words = Vec::new();
-        words.try_reserve_exact(count).map_err(|_| OutOfMemory)?;
+        reserve(&mut words, count)?;
         words.resize(count, 0);
         Ok(BloomFilter { words })
     }

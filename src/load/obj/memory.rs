@@ -1,8 +1,7 @@
 //! Growing lists whose length the input decides: a failed allocation is an error, never an abort.
 
-/// There is not enough memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct OutOfMemory;
+pub(super) use crate::memory::OutOfMemory;
+use crate::memory::reserve;
 
 /// Makes room for `more` elements. Long lists grow by half, not to double: the address space counts where
 /// memory is limited, and the allocator moves large blocks without copying (`mremap`).
@@ -14,7 +13,7 @@ pub(super) fn grow<T>(list: &mut Vec<T>, more: usize) -> Result<(), OutOfMemory>
 #[cold]
 fn reallocate<T>(list: &mut Vec<T>, more: usize) -> Result<(), OutOfMemory> {
     let more = more.max(list.len() / 2).max(64);
-    list.try_reserve_exact(more).map_err(|_| OutOfMemory)
+    reserve(list, more)
 }
 
 /// Appends one element.

@@ -46,6 +46,12 @@ kinds! {
     NoLibraryName "mtllib-name-missing" Note "mtllib without a name was ignored";
 }
 
+/// The name and severity of the kind of finding that is called `name`.
+pub(in crate::load) fn kind_of_finding(name: &[u8]) -> Option<(&'static str, Severity)> {
+    let about = Kind::ALL.iter().map(|kind| kind.about());
+    about.map(|(kind, severity, _)| (kind, severity)).find(|(kind, _)| kind.as_bytes() == name)
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Note {
     line: u64,

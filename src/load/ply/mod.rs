@@ -13,14 +13,19 @@ mod values;
 use super::format::{Format, Reading};
 use super::input::Input;
 use super::obj::builder::{Builder, Corner};
+use super::obj::forecast::plain;
 use super::object::Object;
 use super::texture::{Sources, of_picture};
+use crate::accel::need::Extent;
 use crate::error::{Findings, Result, Severity};
+use crate::scene::need::Meshes;
 use crate::shape::NO_INDEX;
 use header::{Header, Property};
 use rows::Reader;
 use std::collections::HashMap;
+use std::fs::File;
 use std::io::BufReader;
+use std::path::Path;
 use values::Values;
 
 /// The format.
@@ -29,8 +34,25 @@ pub(super) const FORMAT: Format = Format {
     meaning: "Stanford PLY, as text and binary",
     extensions: &["ply"],
     begins: |head| head.starts_with(b"ply\n") || head.starts_with(b"ply\r"),
+    forecast,
     read,
 };
+
+/// The header promises how many there are; what lies there cannot be more than there are bytes.
+fn forecast(file: &File, bytes: u64) -> Option<(Extent, Meshes)> {
+    let header = Header::read(&mut BufReader::new(file), Path::new("")).ok()?;
+    let count = |name: &str| {
+        let element = header.elements.iter().find(|element| element.name == name);
+        element.map_or(0, |element| element.count.min(bytes))
+    };
+    let (vertices, layout) = (count("vertex"), Layout::of(&header));
+    let (extent, mut meshes) = plain(vertices, count("face"));
+    let attributes = 12 * u64::from(layout.has_normals) + 8 * u64::from(layout.has_uvs);
+    let attributes = vertices.saturating_mul(attributes);
+    meshes.kept = meshes.kept.saturating_add(attributes);
+    meshes.peak = meshes.peak.saturating_add(attributes);
+    Some((extent, meshes))
+}
 
 /// Reads a file.
 ///

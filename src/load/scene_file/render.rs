@@ -1,7 +1,7 @@
 //! `[render]`: integrator, samples, seed, backend.
 
 use super::reader::{Field, Section, Shorthand};
-use crate::accel::Backend;
+use crate::accel::{Backend, Quality};
 use crate::error::Result;
 use crate::quadrature::hemisphere::{Cells, Fan, HemisphereRule, Measure};
 use crate::scene::{BuildQuality, Compact, Directions, IntegratorKind, LightSampling, SamplerKind, Settings};
@@ -29,6 +29,10 @@ pub(super) fn read<'t>(mut render: Section<'t>, settings: &mut Settings) -> Resu
     assign(&mut s.backend, render.read("backend", |f| f.word(&[], Backend::from_name))?);
     assign(&mut s.build, render.read("build", |f| f.word(&[], BuildQuality::from_name))?);
     assign(&mut s.compact, render.read("compact", compact)?);
+    if (s.compact, s.build) == (Compact::Yes, BuildQuality::Auto) {
+        // Low quality fills its leaves badly, and joins meshes in a copy: not what small is asked for.
+        s.build = BuildQuality::Fixed(Quality::Medium);
+    }
     render.finish()?;
     Ok(spp)
 }

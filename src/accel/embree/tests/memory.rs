@@ -1,7 +1,8 @@
 //! The compact layout, and builds that run out of memory.
 
-use super::super::memory::is_short;
 use super::*;
+use crate::accel::Backend;
+use crate::accel::need::Extent;
 
 /// Smaller, and otherwise the same surface: hits of rays between the edges agree within rounding.
 #[test]
@@ -44,8 +45,15 @@ fn what_a_build_takes_is_what_was_predicted() {
     let triangles = mesh[0].indices.len() as u64;
     for quality in QUALITIES {
         let peak = build(&mesh, best(), quality).device.peak() as u64;
-        assert!(is_short(triangles, Some(peak)), "{quality:?}: {} a triangle", peak / triangles);
-        assert!(!is_short(triangles, Some(peak * 3 / 2)), "{quality:?}: {} a triangle", peak / triangles);
+        let is_short = |bytes| Backend::Embree.is_short(triangles, Some(bytes));
+        assert!(is_short(peak) && !is_short(peak * 3 / 2), "{quality:?}: {} a triangle", peak / triangles);
+        let over = Extent { triangles, vertices: mesh[0].positions.len() as u64, meshes: 1 };
+        for compact in [false, true] {
+            let options = BuildOptions { quality, compact, ..BuildOptions::default() };
+            let peak = Embree::build_as(&mesh, &options, best(), true, None).unwrap().device.peak() as u64;
+            let need = Backend::Embree.need(over, quality, compact);
+            assert!((peak..peak * 3 / 2).contains(&need), "{quality:?} {compact}: {peak} {need}");
+        }
     }
 }
 
