@@ -26,6 +26,7 @@ pub struct Extent {
 
 impl Backend {
     /// Bytes that a build takes at its peak, on top of the meshes.
+    #[cfg_attr(not(feature = "embree"), allow(unused_variables))]
     pub fn need(self, over: Extent, quality: Quality, compact: bool) -> u64 {
         let usual = over.triangles.saturating_mul(USUAL);
         match self {
