@@ -129,11 +129,15 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", help_heading = "Picture", allow_negative_numbers = true)]
     pub max_depth: Option<String>,
 
+    /// Paths into which a sample splits at its first hit, 1 to 64 (2 by default, 1 with a lens or motion)
+    #[arg(long, value_name = "N", help_heading = "Picture", allow_negative_numbers = true)]
+    pub split: Option<String>,
+
     /// What is computed: path, distribution, direct, ao, normals
     #[arg(long, value_name = "NAME", help_heading = "Picture")]
     pub integrator: Option<String>,
 
-    /// Where the sample points come from: sobol, stratified, random
+    /// Where the sample points come from: sobol, halton, stratified, random
     #[arg(long, value_name = "NAME", help_heading = "Picture")]
     pub sampler: Option<String>,
 
@@ -237,6 +241,7 @@ impl RenderArgs {
             ("--seed", "render.seed", &self.seed),
             ("--max-depth", "render.max_depth", &self.max_depth),
             ("--clamp", "film.clamp", &self.clamp),
+            ("--split", "render.split", &self.split),
         ];
         for (flag, key, word) in numbers {
             if let Some(word) = word {

@@ -119,6 +119,7 @@ impl<'a> Stage<'a> {
                 "max_depth": s.max_depth,
                 "lights": s.lights.name(),
                 "roulette": s.roulette,
+                "split": s.split,
                 "backend": s.backend.name(),
                 "isa": self.accel.isa(),
             }),

@@ -38,6 +38,10 @@ pub struct Context<'a> {
     pub random: Sampler,
     /// Which number is used for what.
     pub dimensions: Dimensions,
+    /// See [`Path::splits`](super::Path::splits); 1 with other integrators.
+    pub splits: u32,
+    /// True when each path of a sample that splits takes a light sample of its own.
+    pub splits_light_samples: bool,
     /// True when vertices take light samples.
     pub samples_lights: bool,
     /// True when a BSDF of the scene chooses between lobes.
@@ -89,6 +93,8 @@ impl<'a> Context<'a> {
             IntegratorKind::Ao { .. } | IntegratorKind::Normals => false,
         };
         let samples_lights = lit && !lights.is_empty();
+        // One lamp is sampled so well that the first hit's shadows are the least of a picture's errors.
+        let splits_light_samples = lights.only_patch().is_none();
         Ok(Context {
             meshes: &scene.meshes,
             instances: &scene.instances,
@@ -102,6 +108,8 @@ impl<'a> Context<'a> {
                 samples_lights.then(|| lights.has_choice()),
             ),
             lights,
+            splits: settings.splits(scene),
+            splits_light_samples,
             camera,
             pixel: PixelPoints::new(settings.rule, FilterSampler::new(settings.filter))?,
             sampler: Sampler::new(settings.sampler, settings.seed, settings.spp),
@@ -115,6 +123,12 @@ impl<'a> Context<'a> {
             brightest: settings.clamp.map_or(f64::INFINITY, f64::from),
             size: settings.size,
         })
+    }
+
+    /// Where branch `branch` of a sample takes its numbers from: each of those from 1 has its own, 0 those of the sample.
+    #[inline(always)]
+    pub fn branched(&self, key: Key, branch: u32) -> Key {
+        if branch == 0 { key } else { self.sampler.branch(key, u64::from(self.splits), branch - 1) }
     }
 
     /// The material that scatters where a ray meets `material`: of a mixture the part that a number of the sample

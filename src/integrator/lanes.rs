@@ -58,7 +58,8 @@ impl Lanes {
         for_lanes(lanes, |from| {
             let ray = Ray { o: all.o.get(from), d: all.d.get(from), tmax: f32::INFINITY };
             let (path, lane) = self.put(ray, all.beta.get(from), all.slot[from]);
-            (path.pdf[lane], path.normal[lane], path.branch[lane]) = (all.pdf[from], all.normal[from], 0);
+            (path.pdf[lane], path.normal[lane]) = (all.pdf[from], all.normal[from]);
+            path.branch[lane] = all.branch[from];
         });
     }
 

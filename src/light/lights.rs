@@ -193,7 +193,7 @@ impl Lights {
 
     /// The patch that is all there is to sample, and its emission, where that is the same all over.
     #[inline(always)]
-    pub(super) fn only_patch(&self) -> Option<(&Patch, &Emission)> {
+    pub(crate) fn only_patch(&self) -> Option<(&Patch, &Emission)> {
         match self.emitters.as_slice() {
             [Emitter::Patch { patch, material }] if self.distant.is_empty() => {
                 let emission = self.emissions.get(*material as usize).filter(|e| !e.varies())?;

@@ -24,7 +24,8 @@ pub fn identity(s: &Settings, scene: &Scene, accel: Option<&dyn Intersector>) ->
     named["film"]["aov"] = s.aovs.iter().map(|aov| aov.name()).collect();
     let build = BuildQuality::Fixed(s.build.resolve(scene.triangles(), s.size, s.spp));
     let mut digest = Digest::new();
-    digest.value(&Settings { spp: 0, build, compact: Compact::No, ..s.clone() });
+    let split = Some(s.splits(scene));
+    digest.value(&Settings { spp: 0, split, build, compact: Compact::No, ..s.clone() });
     json!({ "drt": named, "settings": digest.hex() })
 }
 
@@ -47,6 +48,7 @@ fn settings(s: &Settings, scene: &Scene, accel: Option<&dyn Intersector>) -> Val
             "integrator": integrator_json(&s.integrator),
             "lights": s.lights.name(),
             "roulette": s.roulette,
+            "split": s.splits(scene),
             "spp": s.spp,
             "max_depth": s.max_depth,
             "seed": s.seed,

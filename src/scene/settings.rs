@@ -1,7 +1,7 @@
 //! How a scene is rendered. Every field is a key of the scene file's `[film]` or `[render]`, and all of it
 //! goes into the picture's `drt` attribute.
 
-use super::Directions;
+use super::{Directions, Scene};
 use crate::accel::{Backend, Quality};
 use crate::error::{Result, lookup, name_in};
 use crate::film::{Aov, Filter, PixelRule};
@@ -219,6 +219,9 @@ pub struct Settings {
     pub lights: LightSampling,
     /// Russian roulette, unbiased, from the third scattering on.
     pub roulette: bool,
+    /// Into how many paths a sample splits at its first hit, 1 to [`Settings::MOST_SPLITS`]; `None`: chosen by
+    /// [`Settings::splits`]. Of the integrators `path` and `direct`.
+    pub split: Option<u32>,
     /// Samples a pixel.
     pub spp: u32,
     /// Scattering events at most.
@@ -248,6 +251,7 @@ impl Default for Settings {
             integrator: IntegratorKind::Path,
             lights: LightSampling::Mis,
             roulette: true,
+            split: None,
             spp: 64,
             max_depth: 16,
             seed: 0,
@@ -255,6 +259,25 @@ impl Default for Settings {
             backend: Backend::ALL[0],
             build: BuildQuality::Auto,
             compact: Compact::No,
+        }
+    }
+}
+
+impl Settings {
+    /// The most paths into which a sample can split.
+    pub const MOST_SPLITS: u32 = 64;
+
+    /// Into how many paths a sample splits at its first hit.
+    ///
+    /// Unless it is said, into two, where the noise comes from behind the first hit; where a lens or motion brings noise of
+    /// its own, which only more samples take away, into one.
+    pub fn splits(&self, scene: &Scene) -> u32 {
+        let lens_or_motion = scene.camera.aperture.radius > 0.0 || scene.moves();
+        match self.integrator {
+            IntegratorKind::Path | IntegratorKind::Direct => {
+                self.split.unwrap_or(if lens_or_motion { 1 } else { 2 })
+            }
+            IntegratorKind::Ao { .. } | IntegratorKind::Normals | IntegratorKind::Distribution { .. } => 1,
         }
     }
 }

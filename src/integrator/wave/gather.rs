@@ -48,7 +48,7 @@ pub fn batch<B: Scatter + Clone>(
         (t[lane], pdf[lane], normal[lane]) = (hits.t[at], path.pdf[at], path.normal[at]);
         (branch[lane], slot[lane], ids[lane]) = (path.branch[at], path.slot[at], [id, triangle]);
         let key = traced.slots[slot[lane] as usize].key;
-        keys.set(lane, key);
+        keys.set(lane, if cx.splits > 1 { cx.branched(key, branch[lane]) } else { key });
         material[lane] = cx.material(id, triangle);
         part[lane] = cx.part(material[lane], key, depth, branch[lane]);
     }

@@ -70,6 +70,8 @@ pub struct Extensions<'a> {
     pub beta: Vec3s<LANES>,
     /// See [`Extension::pdf`].
     pub pdf: [f32; LANES],
+    /// See [`Extension::branch`].
+    pub branch: &'a [u32; LANES],
     /// See [`Extension::normal`].
     pub normal: &'a [u32; LANES],
     /// Their samples.
@@ -77,11 +79,11 @@ pub struct Extensions<'a> {
 }
 
 impl<'a> Extensions<'a> {
-    /// To be filled; of samples that do not branch.
+    /// To be filled.
     #[inline(always)]
-    pub fn new(slot: &'a [u32; LANES], normal: &'a [u32; LANES]) -> Self {
+    pub fn new(slot: &'a [u32; LANES], branch: &'a [u32; LANES], normal: &'a [u32; LANES]) -> Self {
         let zero = Vec3s::ZERO;
-        Extensions { o: zero, d: zero, beta: zero, pdf: [0.0; LANES], normal, slot }
+        Extensions { o: zero, d: zero, beta: zero, pdf: [0.0; LANES], branch, normal, slot }
     }
 }
 

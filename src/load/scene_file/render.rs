@@ -18,6 +18,7 @@ pub(super) fn read<'t>(mut render: Section<'t>, settings: &mut Settings) -> Resu
     assign(&mut s.integrator, kind.clone().map(integrator).transpose()?);
     assign(&mut s.lights, render.read("lights", |f| f.word(&[], LightSampling::from_name))?);
     assign(&mut s.roulette, render.read("roulette", |f| f.bool())?);
+    assign(&mut s.split, render.read("split", split)?);
     let spp = render.get("spp");
     assign(&mut s.spp, spp.as_ref().map(|f| f.integer32(1..=MOST_SPP)).transpose()?);
     assign(&mut s.max_depth, render.read("max_depth", |f| f.integer32(0..=DEEPEST))?);
@@ -35,6 +36,14 @@ pub(super) fn read<'t>(mut render: Section<'t>, settings: &mut Settings) -> Resu
     }
     render.finish()?;
     Ok(spp)
+}
+
+fn split(field: Field<'_>) -> Result<Option<u32>> {
+    match field.text() {
+        Ok("auto") => Ok(None),
+        Ok(_) => Err(field.must_be(&format!("a whole number from 1 to {} or \"auto\"", Settings::MOST_SPLITS))),
+        Err(_) => field.integer32(1..=Settings::MOST_SPLITS).map(Some),
+    }
 }
 
 fn compact(field: Field<'_>) -> Result<Compact> {

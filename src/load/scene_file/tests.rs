@@ -50,6 +50,7 @@ aov = ["depth", "ids", "depth"]
 integrator = { type = "ao", distance = 2.0 }
 lights = "light"
 roulette = false
+split = 3
 spp = 7
 max_depth = 0
 seed = "18446744073709551615"
@@ -89,8 +90,8 @@ intensity = [1, 2, 3]
         assert_eq!(s.aovs, [Aov::Depth, Aov::Ids]);
         assert_eq!(s.integrator, IntegratorKind::Ao { distance: 2.0 });
         assert_eq!(
-            (s.roulette, s.spp, s.max_depth, s.seed, s.compact),
-            (false, 7, 0, u64::MAX, Compact::Yes)
+            (s.roulette, s.split, s.spp, s.max_depth, s.seed, s.compact),
+            (false, Some(3), 7, 0, u64::MAX, Compact::Yes)
         );
         assert_eq!(plan.meshes[0].file, Path::new("dir/a.obj"));
         assert_eq!(plan.meshes[1].file, Path::new("/b.obj"));

@@ -14,6 +14,8 @@ fn every_error_has_its_line_and_column_and_says_what_is_possible() {
         ("[render]\nseed = -1", 2, 8, &["not -1"]),
         ("[render]\nseed = 18446744073709551616", 2, 8, &["render.seed"]),
         ("[render]\nroulette = 1", 2, 12, &["true or false"]),
+        ("[render]\nsplit = 65", 2, 9, &["from 1 to 64", "not 65"]),
+        ("[render]\nsplit = \"two\"", 2, 9, &["from 1 to 64 or \"auto\""]),
         ("[render]\nsampler = \"sobel\"", 2, 11, &["did you mean \"sobol\"?"]),
         ("[render]\nsampler = \"halten\"", 2, 11, &["did you mean \"halton\"?"]),
         ("[render]\nintegrator = { type = \"path\", distance = 1 }", 2, 31, &["unknown key \"distance\""]),
