@@ -83,6 +83,12 @@ pub trait Intersector: Send + Sync {
     /// From now on the shutter opens and closes at other times (seconds). Only what moves depends on it.
     fn set_shutter(&mut self, _shutter: [f64; 2]) {}
 
+    /// Whether chunks of rays into one octant are traced faster as [`Coherence::Coherent`], wherever they start: worth
+    /// their sorting. True where the scene is so small that every ray meets most of the structure.
+    fn gains_from_octants(&self) -> bool {
+        false
+    }
+
     /// Bytes of the structure itself, without the meshes' buffers.
     fn bytes(&self) -> usize;
 

@@ -236,6 +236,11 @@ impl Intersector for Recorder<'_> {
         self.accel.occluded(rays, coherence)
     }
 
+    // Else chunks of bounces would be called coherent, and be taken for the camera's.
+    fn gains_from_octants(&self) -> bool {
+        false
+    }
+
     fn bytes(&self) -> usize {
         self.accel.bytes()
     }

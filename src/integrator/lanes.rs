@@ -100,6 +100,66 @@ impl Lanes {
         (path, lane)
     }
 
+    /// The octants of the lanes' directions.
+    #[inline(always)]
+    fn octants(&self, chunk: usize) -> [u32; LANES] {
+        let rays = &self.rays[chunk];
+        let mut octants = [0; LANES];
+        for lane in 0..LANES {
+            let negative = |d: f32| u32::from(d < 0.0);
+            octants[lane] =
+                negative(rays.dx[lane]) | negative(rays.dy[lane]) << 1 | negative(rays.dz[lane]) << 2;
+        }
+        octants
+    }
+
+    /// Whether all directions of `lanes` of a chunk lie in one octant.
+    #[inline(always)]
+    pub fn share_an_octant(&self, chunk: usize, lanes: Mask) -> bool {
+        let octants = self.octants(chunk);
+        let mut same = true;
+        for_lanes(lanes, |lane| same &= octants[lane] == octants[0]);
+        same
+    }
+
+    /// The same rays `into` another buffer by the octants of their directions, within one in the order that they had.
+    #[inline(always)]
+    pub fn sort_by_octant(&self, into: &mut Lanes) {
+        let mut ends = [0; 8];
+        for (chunk, lanes) in self.chunks() {
+            let octants = self.octants(chunk);
+            for_lanes(lanes, |lane| ends[octants[lane] as usize % 8] += 1);
+        }
+        let mut next = [0; 8];
+        for octant in 1..8 {
+            next[octant] = next[octant - 1] + ends[octant - 1];
+        }
+        into.len = self.len;
+        into.make_room();
+        for (chunk, lanes) in self.chunks() {
+            let octants = self.octants(chunk);
+            for_lanes(lanes, |lane| {
+                let at = &mut next[octants[lane] as usize % 8];
+                into.copy(*at, self, chunk, lane);
+                *at += 1;
+            });
+        }
+    }
+
+    /// Sets lane number `to` to a lane of `all`.
+    #[inline(always)]
+    fn copy(&mut self, to: usize, all: &Lanes, chunk: usize, lane: usize) {
+        let (from, from_path) = (&all.rays[chunk], &all.paths[chunk]);
+        let (chunk, at) = (to / LANES, to % LANES);
+        self.rays[chunk].set(at, from.o(lane), from.d(lane), from.tmin[lane], from.tmax[lane]);
+        let path = &mut self.paths[chunk];
+        for (to, beta) in path.beta.iter_mut().zip(&from_path.beta) {
+            to[at] = beta[lane];
+        }
+        (path.pdf[at], path.normal[at]) = (from_path.pdf[lane], from_path.normal[lane]);
+        (path.slot[at], path.branch[at]) = (from_path.slot[lane], from_path.branch[lane]);
+    }
+
     /// Takes the last lanes in whole chunks, at most `most` of them, leaving the rest.
     pub fn split_off(&mut self, most: usize, into: &mut Lanes) {
         let rest = (self.len - most.min(self.len)).next_multiple_of(LANES).min(self.len);
@@ -124,5 +184,42 @@ impl Lanes {
             let used = (len - c * LANES).min(LANES);
             (c, (u32::from(Mask::MAX) >> (LANES - used)) as Mask)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+
+    /// Sorted by octant, every ray is there with what it carries; those of one octant are in their order.
+    #[test]
+    fn octants_follow_each_other() {
+        let mut lanes = Lanes::default();
+        for i in 0..100u32 {
+            let sign = |bit: u32| if (i * 37 + i / 7) >> bit & 1 == 1 { -1.0 } else { 1.0 };
+            let d = Vec3::new(sign(0), sign(1) * 0.5, sign(2) * 0.25);
+            let (o, beta) = (Vec3::splat(i as f32), Rgb::new(i as f32, 1.0, 2.0));
+            lanes.follow(Extension { o, d, beta, pdf: i as f32, normal: i, branch: i + 1 }, i);
+        }
+        let mut sorted = Lanes::default();
+        lanes.sort_by_octant(&mut sorted);
+        assert_eq!(sorted.len, 100);
+        let all: Vec<(u32, u32)> = (0..100)
+            .map(|i| {
+                let (chunk, lane) = (i / LANES, i % LANES);
+                let path = &sorted.paths[chunk];
+                let slot = path.slot[lane];
+                assert_eq!(sorted.rays[chunk].o(lane), Vec3::splat(slot as f32));
+                assert_eq!(sorted.beta(chunk, lane), Rgb::new(slot as f32, 1.0, 2.0));
+                assert_eq!((path.pdf[lane], path.normal[lane]), (slot as f32, slot));
+                assert_eq!(path.branch[lane], slot + 1);
+                (sorted.octants(chunk)[lane], slot)
+            })
+            .collect();
+        assert!(all.is_sorted(), "{all:?}");
+        assert!((0..8).all(|octant| all.iter().any(|(of, _)| *of == octant)));
+        let shared = sorted.chunks().filter(|(chunk, lanes)| sorted.share_an_octant(*chunk, *lanes));
+        assert!(shared.count() < 7 && !lanes.share_an_octant(0, 3));
     }
 }

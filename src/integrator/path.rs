@@ -5,7 +5,7 @@ use super::{Arrival, Batch, Context, Integrator, Sink};
 use super::{brought, competing_pdf, emitted, emitted_at_end};
 use crate::accel::{LANES, Mask, for_lanes};
 use crate::bsdf::Scatter;
-use crate::light::{End, Receiver};
+use crate::light::{End, LightSample, Receiver};
 use crate::math::ray::leave;
 use crate::math::soa::mask;
 use crate::math::{Rgb, Vec3, Vec3s};
@@ -131,21 +131,34 @@ impl Path {
         let lights = cx.lights.sample_all(&batch.surface, &normals, &choices, &u, rough);
         let mut radiance = Vec3s::ZERO;
         let mut arrives = [false; LANES];
-        let mut connect = |lane: usize| {
-            let (light, bsdf) = (lights.get(lane), &batch.bsdf[lane]);
-            let brought = brought(self.lights, &batch.facing(lane), bsdf, &light, branch.share);
-            arrives[lane] = brought.is_some();
-            radiance.set(lane, brought.unwrap_or(Rgb::ZERO));
-        };
         if B::is_small() {
             for lane in 0..LANES {
-                connect(lane);
+                let brought = self.brought(batch, branch, lane, &lights.get(lane));
+                arrives[lane] = brought.is_some();
+                radiance.set(lane, brought.unwrap_or(Rgb::ZERO));
             }
         } else {
-            for_lanes(lights.lanes, connect);
+            for_lanes(lights.lanes, |lane| {
+                let brought = self.brought(batch, branch, lane, &lights.get(lane));
+                arrives[lane] = brought.is_some();
+                radiance.set(lane, brought.unwrap_or(Rgb::ZERO));
+            });
         }
         out.connect(lights.lanes & mask(&arrives), &lights, &radiance, &batch.slot);
         (rough, normals)
+    }
+
+    /// What a lane's light sample brings. A function, since a closure that is called at two places is compiled by itself,
+    /// for the least of all machines.
+    #[inline(always)]
+    fn brought<B: Scatter>(
+        &self,
+        batch: &Batch<B>,
+        branch: &Branch,
+        lane: usize,
+        light: &LightSample,
+    ) -> Option<Rgb> {
+        brought(self.lights, &batch.facing(lane), &batch.bsdf[lane], light, branch.share)
     }
 
     /// Follows the lanes `alive`: the hemisphere integral of eq. (1) by importance sampling, eq. (20), with the BSDF's
@@ -166,22 +179,14 @@ impl Path {
         let lobe = if cx.has_lobes { cx.sampler.d1_of(&branch.keys, dimensions.lobe) } else { [0.0; LANES] };
         let mut next = Extensions::new(&batch.slot, &branch.numbers, normals);
         let mut goes_on = [false; LANES];
-        let mut sample = |lane: usize| {
-            let sample =
-                batch.bsdf[lane].sample(&batch.facing(lane).view, [u[0][lane], u[1][lane]], lobe[lane]);
-            let Some(sample) = sample else { return };
-            let wi = batch.facing(lane).frame.to_world(sample.wi);
-            goes_on[lane] = batch.facing(lane).on_the_same_side_as(sample.wi, wi);
-            next.d.set(lane, wi);
-            next.beta.set(lane, batch.beta.get(lane) * (sample.weight * branch.share));
-            next.pdf[lane] = sample.pdf;
-        };
         if B::is_small() {
             for lane in 0..LANES {
-                sample(lane);
+                goes_on[lane] = next.sample(batch, lane, [u[0][lane], u[1][lane]], lobe[lane], branch.share);
             }
         } else {
-            for_lanes(alive, sample);
+            for_lanes(alive, |lane| {
+                goes_on[lane] = next.sample(batch, lane, [u[0][lane], u[1][lane]], lobe[lane], branch.share);
+            });
         }
         alive &= mask(&goes_on);
         if self.roulette && batch.depth + 1 >= ROULETTE_FROM {

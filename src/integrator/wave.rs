@@ -156,7 +156,12 @@ impl Wave {
 
     #[inline(always)]
     fn extend<I: Integrator>(&mut self, job: &Job<'_, I>, depth: u32) {
-        let coherence = if depth == 0 { Coherence::Coherent } else { Coherence::Incoherent };
+        let by_octants = depth > 0 && job.accel.gains_from_octants();
+        if by_octants && self.current.len > LANES {
+            let mut sorted = self.spare.pop().unwrap_or_default();
+            self.current.sort_by_octant(&mut sorted);
+            self.spare.push(std::mem::replace(&mut self.current, sorted));
+        }
         let counter = if depth == 0 { &mut self.stats.camera_rays } else { &mut self.stats.bounce_rays };
         *counter += self.current.len as u64;
         self.hits.resize(self.current.rays.len().max(self.hits.len()), Hits::default());
@@ -167,6 +172,8 @@ impl Wave {
                 self.stats.rejected_rays += u64::from(rays.rejected());
                 self.hits[chunk].mesh = [MISS; LANES];
             }
+            let coherent = depth == 0 || (by_octants && self.current.share_an_octant(chunk, mask));
+            let coherence = if coherent { Coherence::Coherent } else { Coherence::Incoherent };
             job.accel.closest(rays, coherence, &mut self.hits[chunk]);
             if !job.cx.lights.spheres.is_empty() {
                 sphere::closest(&job.cx.lights.spheres, rays, &mut self.hits[chunk]);

@@ -84,7 +84,7 @@ impl Patch {
     pub fn sample(&self, from: Vec3, u: [f32; 2]) -> PatchPoint {
         match self {
             Patch::Triangle { corners, ng } => sample_triangle(corners, *ng, from, u),
-            Patch::Rectangle(r) => sample_rectangle(r, from, u),
+            Patch::Rectangle(r) => sample_rectangle::<false>(r, from, u),
         }
     }
 
@@ -121,10 +121,23 @@ impl Patch {
 pub(super) fn light_sample(
     from: &Surface,
     point: &PatchPoint,
-    (radiance, two_sided): (Rgb, bool),
+    radiance: (Rgb, bool),
     area: f32,
     chance: f32,
 ) -> Option<LightSample> {
+    let (sample, arrives) = light_sample_if(from, point, radiance, area, chance);
+    arrives.then_some(sample)
+}
+
+/// [`light_sample`] without a branch: the sample, of use if the second is true.
+#[inline(always)]
+pub(super) fn light_sample_if(
+    from: &Surface,
+    point: &PatchPoint,
+    (radiance, two_sided): (Rgb, bool),
+    area: f32,
+    chance: f32,
+) -> (LightSample, bool) {
     let to = point.p - from.p;
     let distance_squared = to.length_squared();
     let wi = to * (1.0 / distance_squared.sqrt());
@@ -135,13 +148,10 @@ pub(super) fn light_sample(
         & (two_sided | (cos < 0.0))
         & (pdf > 0.0)
         & pdf.is_finite();
-    if !arrives {
-        return None;
-    }
     let start = leave(from.p, from.error, from.ng, wi);
     let end = leave(point.p, point.error, point.ng, -wi);
     let shadow = Ray { o: start, d: end - start, tmax: reach::ALMOST };
-    Some(LightSample { wi, radiance_over_pdf: radiance / pdf, pdf, shadow })
+    (LightSample { wi, radiance_over_pdf: radiance / pdf, pdf, shadow }, arrives)
 }
 
 /// A point of a triangle for a receiver at `from`.
@@ -157,14 +167,19 @@ fn sample_triangle(corners: &[Vec3; 3], ng: Vec3, from: Vec3, u: [f32; 2]) -> Pa
     PatchPoint { p, error: ROUNDING * size.max_element(), ng, by_solid_angle }
 }
 
-/// The same of a rectangle.
+/// The same of a rectangle. `EAGER`: without a branch.
 #[inline(always)]
-pub(super) fn sample_rectangle(r: &Rectangle, from: Vec3, u: [f32; 2]) -> PatchPoint {
-    let ([a, b], by_solid_angle) = match near_rectangle(r, from) {
-        Some(seen) => (seen.sample(u), Some(1.0 / seen.solid_angle)),
-        None => (u, None),
-    };
-    let (along, across) = (r.edges[0] * a, r.edges[1] * b);
+pub(super) fn sample_rectangle<const EAGER: bool>(r: &Rectangle, from: Vec3, u: [f32; 2]) -> PatchPoint {
+    let close = is_close(r, from);
+    let (mut at, mut by_solid_angle) = (u, None);
+    if EAGER || close {
+        let seen = r.seen_from(from);
+        let near = close & (seen.solid_angle > SMALLEST[1]);
+        let [a, b] = seen.sample(u);
+        at = if near { [a, b] } else { u };
+        by_solid_angle = near.then_some(1.0 / seen.solid_angle);
+    }
+    let (along, across) = (r.edges[0] * at[0], r.edges[1] * at[1]);
     let size = r.corner.abs() + along.abs() + across.abs();
     let error = ROUNDING * size.max_element();
     PatchPoint { p: r.corner + along + across, error, ng: r.axes[2], by_solid_angle }
@@ -185,12 +200,15 @@ fn near_triangle(corners: &[Vec3; 3], from: Vec3) -> Option<SphericalTriangle> {
 /// The rectangle as `from` sees it, where it is sampled by solid angle.
 #[inline(always)]
 fn near_rectangle(r: &Rectangle, from: Vec3) -> Option<SphericalRectangle> {
+    is_close(r, from).then(|| r.seen_from(from)).filter(|seen| seen.solid_angle > SMALLEST[1])
+}
+
+/// Whether the rectangle may be sampled by solid angle.
+#[inline(always)]
+fn is_close(r: &Rectangle, from: Vec3) -> bool {
     let middle = r.corner + (r.edges[0] + r.edges[1]) * 0.5;
     let diagonal = r.lengths[0] * r.lengths[0] + r.lengths[1] * r.lengths[1];
-    if (middle - from).length_squared() > NEAR * diagonal {
-        return None;
-    }
-    Some(r.seen_from(from)).filter(|seen| seen.solid_angle > SMALLEST[1])
+    (middle - from).length_squared() <= NEAR * diagonal
 }
 
 /// Barycentric weights of the second and third corner where a ray from `o` along `d` meets the triangle (Möller and

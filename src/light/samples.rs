@@ -1,6 +1,6 @@
 //! Light samples of several points at once: [`Lights::sample`] of every lane, bit for bit.
 
-use super::patch::{Patch, light_sample, sample_rectangle};
+use super::patch::{Patch, light_sample_if, sample_rectangle};
 use super::{LightSample, Lights, Receiver};
 use crate::math::Vec3s;
 use crate::math::ray::Ray;
@@ -77,11 +77,10 @@ impl Lights {
             let mut there = [false; N];
             for (lane, there) in there.iter_mut().enumerate() {
                 let surface = surfaces.get(lane);
-                let point = sample_rectangle(r, surface.p, [u[0][lane], u[1][lane]]);
-                if let Some(sample) = light_sample(&surface, &point, radiance, area, 1.0) {
-                    all.set(lane, &sample);
-                    *there = true;
-                }
+                let point = sample_rectangle::<true>(r, surface.p, [u[0][lane], u[1][lane]]);
+                let (sample, arrives) = light_sample_if(&surface, &point, radiance, area, 1.0);
+                all.set(lane, &sample);
+                *there = arrives;
             }
             all.lanes = mask(&there) & lanes;
             return all;

@@ -136,7 +136,8 @@ impl SphericalRectangle {
         let s = s.copysign(turn);
         let f = if s == 0.0 { f32::INFINITY } else { (c * b0 + b1) / s };
         let cu = (1.0 / (f * f + b0 * b0).sqrt()).copysign(f).clamp(-1.0, 1.0);
-        let x = (cu * self.z / (1.0 - cu * cu).max(1e-12).sqrt()).clamp(self.x[0], self.x[1]);
+        // Not `clamp`, which panics where the borders are none, so that no loop over it becomes vector instructions.
+        let x = (cu * self.z / (1.0 - cu * cu).max(1e-12).sqrt()).max(self.x[0]).min(self.x[1]);
         let d = (x * x + self.z * self.z).sqrt();
         let height = |y: f32| y / (d * d + y * y).sqrt();
         let (h0, h1) = (height(self.y[0]), height(self.y[1]));

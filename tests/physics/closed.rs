@@ -118,6 +118,8 @@ fn means_do_not_depend_on_how_they_are_sampled() {
             "render.lights=mis",
             "render.lights=bsdf",
             "render.roulette=false",
+            "render.split=1",
+            "render.split=5",
             "render.sampler=random",
             "render.sampler=stratified",
             "film.filter=gaussian",

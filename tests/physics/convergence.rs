@@ -70,3 +70,38 @@ fn slopes_on_an_edge() {
         }
     });
 }
+
+/// A sample that splits into four sends four rays on, whose directions and lamps are as good as those of four samples:
+/// with random numbers they halve the standard deviation. The mean stays.
+#[test]
+fn a_sample_that_splits_in_four_is_worth_four() {
+    let floor = obj(&[vec![[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [2.0, 2.0, 0.0], [-1.0, 2.0, 0.0]]]);
+    let lamp = |x: f64, z: f64| vec![[x, 0.0, z], [x + 1.0, 0.0, z], [x + 1.0, 1.0, z], [x, 1.0, z]];
+    let lamps = obj(&[lamp(-0.5, 1.0), lamp(0.7, 2.0)]);
+    // Nothing but what comes from behind the first hit varies: the pixel is a millimetre wide.
+    let rest = "reflectance = 0.5\n[[mesh]]\nfile = \"l.obj\"\nmaterial = \"l\"\n\
+                [materials.l]\ntype = \"diffuse\"\nreflectance = 0.0\nemission = 2.0\n";
+    let toml = pixel(rest).replace("height = 1", "height = 0.001").replace("0.5, 5]", "0.5, 0.5]");
+    let files = [("m.obj", floor), ("l.obj", lamps)];
+    on_every_backend(|backend| {
+        for lights in ["render.lights=bsdf", "render.lights=light"] {
+            let stage = stage(&toml, &files, backend, &[lights, "render.sampler=random", "render.spp=16"]);
+            let moments = |split| {
+                let value = |seed| {
+                    let (image, stats) = stage.render(|s| (s.seed, s.split) = (seed, Some(split)));
+                    assert_eq!(stats.camera_rays, 16);
+                    let sent = if lights.ends_with("bsdf") { stats.bounce_rays } else { stats.shadow_rays };
+                    assert_eq!(sent, 16 * u64::from(split), "{lights}");
+                    f64::from(image.f32_channel("G").unwrap()[0])
+                };
+                let values: Vec<f64> = (0..400).map(value).collect();
+                let mean = values.iter().sum::<f64>() / 400.0;
+                (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 399.0).sqrt())
+            };
+            let ((one, spread), (four, narrow)) = (moments(1), moments(4));
+            assert!((one - four).abs() < 5.0 * spread / 400f64.sqrt(), "{lights}: {one} {four}");
+            // The ratio of two such estimates is known to 5 %.
+            assert!((narrow / spread - 0.5).abs() < 0.1, "{lights}: {spread} {narrow}");
+        }
+    });
+}

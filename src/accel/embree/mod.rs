@@ -58,6 +58,8 @@ pub struct Embree {
     /// The longest edge of each mesh.
     longest: Vec<f32>,
     compact: bool,
+    /// At most [`FEW_TRIANGLES`].
+    few: bool,
     width: Width,
     isa: &'static str,
 }
@@ -133,6 +135,7 @@ impl Embree {
             meshes: meshes.to_vec(),
             longest,
             compact: options.compact,
+            few: meshes.iter().map(|mesh| mesh.indices.len()).sum::<usize>() <= FEW_TRIANGLES,
             width,
             isa,
         })
@@ -164,6 +167,10 @@ impl Intersector for Embree {
 
     fn occluded(&self, rays: Checked<'_>, _: Coherence) -> Mask {
         trace::occluded(&self.scene, self.width, rays)
+    }
+
+    fn gains_from_octants(&self) -> bool {
+        self.few
     }
 
     fn bytes(&self) -> usize {
@@ -215,6 +222,10 @@ fn memory_left() -> Option<u64> {
         _ => left.bytes,
     })
 }
+
+/// Up to so many triangles, packets of bounce rays into one octant gain from Embree's coherent flag, wherever they start:
+/// in the Cornell box (32 triangles) 64 ns a ray instead of 101; over 0.9 million triangles 466 instead of 305.
+const FEW_TRIANGLES: usize = 64;
 
 /// Embree addresses vertices by 32-bit numbers of 4-byte words, so a buffer ends at 16 GiB; ids have 32
 /// bits and all ones mean "none".

@@ -67,7 +67,8 @@ impl Job {
         if let Some(size) = &self.args.size {
             overrides.push(args::size(size)?);
         }
-        // First, so that `--set render.max_depth=…` can say otherwise.
+        // One path a sample, so that N counts paths. First, so that `--set` can say otherwise, as with the depth.
+        overrides.push(Override::flag("--split", "render.split", "1")?);
         if let Some(depth) = self.args.max_depth.as_deref().or(self.subject.max_depth) {
             overrides.push(Override::flag("--max-depth", "render.max_depth", depth)?);
         }

@@ -1,8 +1,9 @@
 //! What the vertices of a wave push: the next rays, the shadow rays, and radiance for the samples.
 
 use crate::accel::{LANES, Mask};
+use crate::bsdf::Scatter;
 use crate::integrator::lanes::Lanes;
-use crate::integrator::{Extension, Sink};
+use crate::integrator::{Batch, Extension, Sink};
 use crate::light::LightSamples;
 use crate::math::ray::Ray;
 use crate::math::{DVec3, Rgb, Vec3s};
@@ -84,6 +85,26 @@ impl<'a> Extensions<'a> {
     pub fn new(slot: &'a [u32; LANES], branch: &'a [u32; LANES], normal: &'a [u32; LANES]) -> Self {
         let zero = Vec3s::ZERO;
         Extensions { o: zero, d: zero, beta: zero, pdf: [0.0; LANES], branch, normal, slot }
+    }
+
+    /// Sets a lane's direction, throughput (of which `share` goes there) and density by the BSDF's sample. False when there is
+    /// none, or it would go through the surface.
+    #[inline(always)]
+    pub fn sample<B: Scatter>(
+        &mut self,
+        batch: &Batch<B>,
+        lane: usize,
+        u: [f32; 2],
+        lobe: f32,
+        share: f32,
+    ) -> bool {
+        let facing = batch.facing(lane);
+        let Some(sample) = batch.bsdf[lane].sample(&facing.view, u, lobe) else { return false };
+        let wi = facing.frame.to_world(sample.wi);
+        self.d.set(lane, wi);
+        self.beta.set(lane, facing.beta * (sample.weight * share));
+        self.pdf[lane] = sample.pdf;
+        facing.on_the_same_side_as(sample.wi, wi)
     }
 }
 

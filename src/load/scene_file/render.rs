@@ -41,7 +41,9 @@ pub(super) fn read<'t>(mut render: Section<'t>, settings: &mut Settings) -> Resu
 fn split(field: Field<'_>) -> Result<Option<u32>> {
     match field.text() {
         Ok("auto") => Ok(None),
-        Ok(_) => Err(field.must_be(&format!("a whole number from 1 to {} or \"auto\"", Settings::MOST_SPLITS))),
+        Ok(_) => {
+            Err(field.must_be(&format!("a whole number from 1 to {} or \"auto\"", Settings::MOST_SPLITS)))
+        }
         Err(_) => field.integer32(1..=Settings::MOST_SPLITS).map(Some),
     }
 }
