@@ -10,10 +10,31 @@ pub type Mask = u16;
 
 /// Calls `visit` for each of `lanes`, the lowest first.
 #[inline(always)]
-pub(crate) fn for_lanes(mut lanes: Mask, mut visit: impl FnMut(usize)) {
-    while lanes != 0 {
-        visit(lanes.trailing_zeros() as usize % LANES);
-        lanes &= lanes - 1;
+pub(crate) fn for_lanes(lanes: Mask, mut visit: impl FnMut(usize)) {
+    for lane in lanes_of(lanes) {
+        visit(lane);
+    }
+}
+
+/// Each of `lanes`, the lowest first. A loop over them has no closure, which a compiler may leave as a function of its own,
+/// compiled for the least of all machines.
+#[inline(always)]
+pub(crate) fn lanes_of(lanes: Mask) -> LanesOf {
+    LanesOf(lanes)
+}
+
+/// See [`lanes_of`].
+pub(crate) struct LanesOf(Mask);
+
+impl Iterator for LanesOf {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let lane = self.0.trailing_zeros() as usize;
+        let some = self.0 != 0;
+        self.0 &= self.0.wrapping_sub(1);
+        some.then_some(lane % LANES)
     }
 }
 

@@ -10,6 +10,7 @@
 //! integrators' loops; the larger ones, whose own work outweighs a call, are not, or they would be compiled for each
 //! integrator and instruction set.
 
+mod any;
 mod coat;
 pub mod conductor;
 pub mod dielectric;
@@ -201,21 +202,6 @@ impl Bsdf {
             Bsdf::OrenNayar(m) => m.albedo(),
             Bsdf::Plastic(m) => m.albedo(),
             Bsdf::Principled(m) => m.albedo(),
-        }
-    }
-
-    /// [`Scatter::set`] of the model.
-    pub fn set(&mut self, parameter: Parameter, value: Rgb) -> bool {
-        match self {
-            Bsdf::Diffuse(m) => m.set(parameter, value),
-            Bsdf::Mirror(m) => m.set(parameter, value),
-            Bsdf::Conductor(m) => m.set(parameter, value),
-            Bsdf::Phong(m) => m.set(parameter, value),
-            Bsdf::Dielectric(m) => m.set(parameter, value),
-            Bsdf::Translucent(m) => m.set(parameter, value),
-            Bsdf::OrenNayar(m) => m.set(parameter, value),
-            Bsdf::Plastic(m) => m.set(parameter, value),
-            Bsdf::Principled(m) => m.set(parameter, value),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::Extension;
 use super::wave::Extensions;
-use crate::accel::{LANES, Mask, Rays, for_lanes};
+use crate::accel::{LANES, Mask, Rays, lanes_of};
 use crate::light::LightSamples;
 use crate::math::ray::Ray;
 use crate::math::{Rgb, Vec3s};
@@ -55,12 +55,12 @@ impl Lanes {
     #[inline(always)]
     pub fn follow_all(&mut self, lanes: Mask, all: &Extensions<'_>) {
         self.make_room();
-        for_lanes(lanes, |from| {
+        for from in lanes_of(lanes) {
             let ray = Ray { o: all.o.get(from), d: all.d.get(from), tmax: f32::INFINITY };
             let (path, lane) = self.put(ray, all.beta.get(from), all.slot[from]);
             (path.pdf[lane], path.normal[lane]) = (all.pdf[from], all.normal[from]);
             path.branch[lane] = all.branch[from];
-        });
+        }
     }
 
     /// The shadow rays `lanes` of `lights`, with the radiance that they let through.
@@ -73,10 +73,10 @@ impl Lanes {
         slot: &[u32; LANES],
     ) {
         self.make_room();
-        for_lanes(lanes, |from| {
+        for from in lanes_of(lanes) {
             let ray = Ray { o: lights.o.get(from), d: lights.d.get(from), tmax: lights.tmax[from] };
             self.put(ray, radiance.get(from), slot[from]);
-        });
+        }
     }
 
     /// Room for one chunk more than there is.
@@ -118,7 +118,9 @@ impl Lanes {
     pub fn share_an_octant(&self, chunk: usize, lanes: Mask) -> bool {
         let octants = self.octants(chunk);
         let mut same = true;
-        for_lanes(lanes, |lane| same &= octants[lane] == octants[0]);
+        for lane in lanes_of(lanes) {
+            same &= octants[lane] == octants[0];
+        }
         same
     }
 
@@ -128,7 +130,9 @@ impl Lanes {
         let mut ends = [0; 8];
         for (chunk, lanes) in self.chunks() {
             let octants = self.octants(chunk);
-            for_lanes(lanes, |lane| ends[octants[lane] as usize % 8] += 1);
+            for lane in lanes_of(lanes) {
+                ends[octants[lane] as usize % 8] += 1;
+            }
         }
         let mut next = [0; 8];
         for octant in 1..8 {
@@ -138,11 +142,11 @@ impl Lanes {
         into.make_room();
         for (chunk, lanes) in self.chunks() {
             let octants = self.octants(chunk);
-            for_lanes(lanes, |lane| {
+            for lane in lanes_of(lanes) {
                 let at = &mut next[octants[lane] as usize % 8];
                 into.copy(*at, self, chunk, lane);
                 *at += 1;
-            });
+            }
         }
     }
 

@@ -146,6 +146,10 @@ pub struct Extension {
 /// The mathematics of an integrator. Both functions are compiled into the wave per instruction set and per
 /// BSDF, so mark them `#[inline(always)]`.
 pub trait Integrator: Sync {
+    /// Whether it is compiled once a BSDF, in vector instructions: for what many rays are traced with. Otherwise once, for
+    /// [`Bsdf`](crate::bsdf::Bsdf), which takes a ninth of the time to compile.
+    const BY_MODEL: bool = false;
+
     /// Rays that a vertex after `depth` scattering events pushes at most, of each kind. Waves are cut into pieces
     /// by it, so that branching does not fill the memory.
     fn fan_out(&self, _depth: u32) -> u32 {
@@ -194,12 +198,13 @@ fn connect<B: Scatter>(
     share: f32,
     out: &mut impl Sink,
 ) {
-    if let Some(radiance) = brought(lights, &v.facing(), bsdf, light, share) {
+    if let (radiance, true) = brought(lights, &v.facing(), bsdf, light, share) {
         out.connect(light.shadow, radiance);
     }
 }
 
-/// What the light sample brings if nothing is in its way, weighted against the chance that BSDF sampling finds the same.
+/// What the light sample brings if nothing is in its way, weighted against the chance that BSDF sampling finds the same; of
+/// use if the second is true.
 #[inline(always)]
 fn brought<B: Scatter>(
     lights: LightSampling,
@@ -207,18 +212,16 @@ fn brought<B: Scatter>(
     bsdf: &B,
     light: &LightSample,
     share: f32,
-) -> Option<Rgb> {
+) -> (Rgb, bool) {
     let wi = v.frame.to_local(light.wi);
     let (f_cos, bsdf_pdf) = bsdf.eval(&v.view, wi);
-    let weight = match lights {
-        // A delta light has an infinite density: nothing else finds it.
-        LightSampling::Mis => mis::power(light.pdf, bsdf_pdf),
-        LightSampling::Light => 1.0,
-        LightSampling::Bsdf if light.pdf == f32::INFINITY => 1.0,
-        LightSampling::Bsdf => return None,
-    };
-    let arrives = (f_cos != Rgb::ZERO) & v.on_the_same_side_as(wi, light.wi);
-    arrives.then(|| v.beta * f_cos * light.radiance_over_pdf * (weight * share))
+    // A delta light has an infinite density: nothing else finds it. No `match`: a loop with one stays scalar.
+    let alone = matches!(lights, LightSampling::Light) | (light.pdf == f32::INFINITY);
+    let combined = mis::power(light.pdf, bsdf_pdf);
+    let only = if alone { 1.0 } else { 0.0 };
+    let weight = if matches!(lights, LightSampling::Mis) { combined } else { only };
+    let arrives = (f_cos != Rgb::ZERO) & v.on_the_same_side_as(wi, light.wi) & (weight != 0.0);
+    (v.beta * f_cos * light.radiance_over_pdf * (weight * share), arrives)
 }
 
 /// The density that the ray along a BSDF sample of density `pdf` carries, so that what it meets weighs its light

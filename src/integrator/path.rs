@@ -3,15 +3,14 @@
 use super::wave::{BatchSink, Extensions};
 use super::{Arrival, Batch, Context, Integrator, Sink};
 use super::{brought, competing_pdf, emitted, emitted_at_end};
-use crate::accel::{LANES, Mask, for_lanes};
+use crate::accel::{LANES, Mask, lanes_of};
 use crate::bsdf::Scatter;
 use crate::light::{End, LightSample, Receiver};
 use crate::math::ray::leave;
-use crate::math::soa::mask;
+use crate::math::soa::{lanes_where, mask};
 use crate::math::{Rgb, Vec3, Vec3s};
 use crate::sampler::Keys;
 use crate::scene::LightSampling;
-use std::array::from_fn;
 
 /// Path tracing with next-event estimation, multiple importance sampling and Russian roulette.
 #[derive(Clone, Copy, Debug)]
@@ -48,23 +47,24 @@ struct Branch {
 }
 
 impl Integrator for Path {
+    const BY_MODEL: bool = true;
+
     fn fan_out(&self, depth: u32) -> u32 {
         if depth == 0 { self.splits } else { 1 }
     }
 
     #[inline(always)]
     fn vertices<B: Scatter>(&self, cx: &Context<'_>, batch: &Batch<B>, out: &mut BatchSink<'_>) {
-        for_lanes(batch.lanes, |lane| {
-            if cx.lights.emits(batch.material[lane]) {
-                emitted(cx, &batch.vertex(lane), &mut out.path(batch.slot[lane]));
-            }
-        });
+        let shining = batch.lanes & lanes_where::<LANES>(|lane| cx.lights.emits(batch.material[lane]));
+        for lane in lanes_of(shining) {
+            emitted(cx, &batch.vertex(lane), &mut out.path(batch.slot[lane]));
+        }
         if batch.depth >= self.max_depth {
             return;
         }
-        let alive = mask::<LANES>(&from_fn(|lane| cx.scatters(batch.material[lane], batch.outside[lane])))
-            & batch.lanes;
-        let rough = alive & !mask::<LANES>(&from_fn(|lane| batch.bsdf[lane].is_delta()));
+        let alive =
+            batch.lanes & lanes_where::<LANES>(|lane| cx.scatters(batch.material[lane], batch.outside[lane]));
+        let rough = alive & !lanes_where::<LANES>(|lane| batch.bsdf[lane].is_delta());
         let split = if self.fan_out(batch.depth) > 1 { rough } else { 0 };
         let whole = Branch { keys: batch.keys, numbers: batch.branch, share: 1.0 };
         // Branches share one light sample where another would take next to no error away.
@@ -133,23 +133,22 @@ impl Path {
         let mut arrives = [false; LANES];
         if B::is_small() {
             for lane in 0..LANES {
-                let brought = self.brought(batch, branch, lane, &lights.get(lane));
-                arrives[lane] = brought.is_some();
-                radiance.set(lane, brought.unwrap_or(Rgb::ZERO));
+                let (brought, some) = self.brought(batch, branch, lane, &lights.get(lane));
+                arrives[lane] = some;
+                radiance.set(lane, brought);
             }
         } else {
-            for_lanes(lights.lanes, |lane| {
-                let brought = self.brought(batch, branch, lane, &lights.get(lane));
-                arrives[lane] = brought.is_some();
-                radiance.set(lane, brought.unwrap_or(Rgb::ZERO));
-            });
+            for lane in lanes_of(lights.lanes) {
+                let (brought, some) = self.brought(batch, branch, lane, &lights.get(lane));
+                arrives[lane] = some;
+                radiance.set(lane, brought);
+            }
         }
         out.connect(lights.lanes & mask(&arrives), &lights, &radiance, &batch.slot);
         (rough, normals)
     }
 
-    /// What a lane's light sample brings. A function, since a closure that is called at two places is compiled by itself,
-    /// for the least of all machines.
+    /// What a lane's light sample brings, if the second is true.
     #[inline(always)]
     fn brought<B: Scatter>(
         &self,
@@ -157,7 +156,7 @@ impl Path {
         branch: &Branch,
         lane: usize,
         light: &LightSample,
-    ) -> Option<Rgb> {
+    ) -> (Rgb, bool) {
         brought(self.lights, &batch.facing(lane), &batch.bsdf[lane], light, branch.share)
     }
 
@@ -184,9 +183,9 @@ impl Path {
                 goes_on[lane] = next.sample(batch, lane, [u[0][lane], u[1][lane]], lobe[lane], branch.share);
             }
         } else {
-            for_lanes(alive, |lane| {
+            for lane in lanes_of(alive) {
                 goes_on[lane] = next.sample(batch, lane, [u[0][lane], u[1][lane]], lobe[lane], branch.share);
-            });
+            }
         }
         alive &= mask(&goes_on);
         if self.roulette && batch.depth + 1 >= ROULETTE_FROM {
@@ -194,11 +193,11 @@ impl Path {
             alive &= self.roulette(&numbers, &branch.numbers, &mut next.beta);
         }
         let last = batch.depth + 1 == self.max_depth && !cx.has_moving_lamps;
-        for_lanes(alive, |lane| {
+        for lane in lanes_of(alive) {
             next.pdf[lane] = competing_pdf(self.lights, lit >> lane & 1 == 1, next.pdf[lane]);
             // The next vertex could only emit, and that has been counted.
             alive &= !(Mask::from(next.pdf[lane] == 0.0 && last) << lane);
-        });
+        }
         for lane in 0..LANES {
             let s = batch.surface.get(lane);
             next.o.set(lane, leave(s.p, s.error, s.ng, next.d.get(lane)));

@@ -12,7 +12,7 @@ mod pushed;
 use super::cutout;
 use super::lanes::{Lanes, Paths};
 use super::{Arrival, Context, Extension, Integrator, RenderStats};
-use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, for_lanes};
+use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, lanes_of};
 use crate::bsdf::{Bsdf, Material, Scatter};
 use crate::film::{Film, Tile};
 use crate::light::{End, Receiver, sphere};
@@ -243,15 +243,21 @@ impl Wave {
                 })
             };
         }
-        shade_kind!(1, Bsdf::Diffuse);
-        shade_kind!(2, Bsdf::Mirror);
-        shade_kind!(3, Bsdf::Conductor);
-        shade_kind!(4, Bsdf::Phong);
-        shade_kind!(5, Bsdf::Dielectric);
-        shade_kind!(6, Bsdf::Translucent);
-        shade_kind!(7, Bsdf::OrenNayar);
-        shade_kind!(8, Bsdf::Plastic);
-        shade_kind!(9, Bsdf::Principled);
+        if I::BY_MODEL {
+            shade_kind!(1, Bsdf::Diffuse);
+            shade_kind!(2, Bsdf::Mirror);
+            shade_kind!(3, Bsdf::Conductor);
+            shade_kind!(4, Bsdf::Phong);
+            shade_kind!(5, Bsdf::Dielectric);
+            shade_kind!(6, Bsdf::Translucent);
+            shade_kind!(7, Bsdf::OrenNayar);
+            shade_kind!(8, Bsdf::Plastic);
+            shade_kind!(9, Bsdf::Principled);
+        } else {
+            for group in &groups.of[1..] {
+                self.shade_group(job, depth, tile, group, |material| Some(&material.bsdf));
+            }
+        }
         self.groups = groups;
     }
 
@@ -269,10 +275,10 @@ impl Wave {
             let traced = Traced { lanes: &self.current, hits: &self.hits, slots: &self.pushed.slots };
             let Some(batch) = batch(job.cx, &traced, depth, of, &bsdf) else { continue };
             if depth == 0 && job.layers {
-                for_lanes(batch.lanes, |lane| {
+                for lane in lanes_of(batch.lanes) {
                     let (v, pixel) = (batch.vertex(lane), self.pushed.slots[batch.slot[lane] as usize].pixel);
                     tile.add_first_hit(pixel as usize, v.arrival.key.index, &first_hit(job.cx, &v));
-                });
+                }
             }
             job.integrator.vertices(job.cx, &batch, &mut BatchSink { pushed: &mut self.pushed });
         }
@@ -303,16 +309,16 @@ impl Wave {
             }
             let blocked = job.accel.occluded(rays, Coherence::Incoherent);
             let slot = |lane: usize| shadows.paths[chunk].slot[lane] as usize;
-            for_lanes(open & !blocked, |lane| {
+            for lane in lanes_of(open & !blocked) {
                 slots[slot(lane)].radiance += shadows.beta(chunk, lane).as_dvec3();
-            });
+            }
             if job.cx.has_cutouts && open & blocked != 0 {
                 let (share, traced) = cutout::transmittance(job.cx, job.accel, rays, open & blocked);
                 self.stats.shadow_rays += traced;
-                for_lanes(open & blocked, |lane| {
+                for lane in lanes_of(open & blocked) {
                     let passed = shadows.beta(chunk, lane).as_dvec3() * f64::from(share[lane]);
                     slots[slot(lane)].radiance += passed;
-                });
+                }
             }
         }
         shadows.len = 0;
@@ -337,7 +343,9 @@ impl Wave {
 fn times(cx: &Context<'_>, paths: &Paths, mask: Mask, slots: &[Slot]) -> [f32; LANES] {
     let mut times = [0.0; LANES];
     if cx.moves {
-        for_lanes(mask, |lane| times[lane] = slots[paths.slot[lane] as usize].time);
+        for lane in lanes_of(mask) {
+            times[lane] = slots[paths.slot[lane] as usize].time;
+        }
     }
     times
 }

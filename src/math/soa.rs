@@ -35,6 +35,16 @@ impl<const N: usize> Vec3s<N> {
     }
 }
 
+/// The lanes, lane 0 the lowest bit, of which `is` holds.
+#[inline(always)]
+pub fn lanes_where<const N: usize>(is: impl Fn(usize) -> bool) -> u16 {
+    let mut of = [false; N];
+    for (lane, of) in of.iter_mut().enumerate() {
+        *of = is(lane);
+    }
+    mask(&of)
+}
+
 /// The lanes, lane 0 the lowest bit, of which `of` says so.
 #[inline(always)]
 pub fn mask<const N: usize>(of: &[bool; N]) -> u16 {

@@ -175,7 +175,10 @@ impl Sampler {
     #[inline(always)]
     pub fn d2_of<const N: usize>(&self, keys: &Keys<N>, dimension: u32) -> [[f32; N]; 2] {
         match &self.kind {
-            Kind::Sobol(s) => s.bits2_of(keys, dimension).map(units),
+            Kind::Sobol(s) => {
+                let [first, second] = s.bits2_of(keys, dimension);
+                [units(first), units(second)]
+            }
             _ => {
                 let pairs: [[f32; 2]; N] = std::array::from_fn(|lane| self.d2(keys.get(lane), dimension));
                 [pairs.map(|pair| pair[0]), pairs.map(|pair| pair[1])]

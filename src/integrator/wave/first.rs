@@ -1,5 +1,6 @@
 //! Where paths begin: the ray through a pixel, and what the film's layers keep of its hit.
 
+use crate::bsdf::Scatter;
 use crate::film::FirstHit;
 use crate::film::rule::{Numbers, PixelPoint};
 use crate::integrator::{Context, Dimensions, Vertex};

@@ -9,7 +9,7 @@ use crate::bsdf::parameter::Channels;
 use crate::bsdf::principled::Look;
 use crate::bsdf::{
     Bsdf, Conductor, Dielectric, Diffuse, Mirror, Mix, OrenNayar, Parameter, Phong, Plastic, Principled,
-    Translucent,
+    Scatter, Translucent,
 };
 use crate::error::{Error, Result, unknown_word_advice};
 use crate::load::materials::{MaterialSpec, MixSpec};

@@ -2,7 +2,7 @@
 //! `{ texture = "wood.png", filter = "nearest", wrap = "clamp", scale = [2, 2], offset = [0, 0.5] }`.
 
 use super::reader::{COORDINATE, Field, SHARE, Section};
-use crate::bsdf::{Bsdf, Parameter, parameter::Channels};
+use crate::bsdf::{Bsdf, Parameter, Scatter, parameter::Channels};
 use crate::error::{Result, lookup};
 use crate::load::materials::MaterialSpec;
 use crate::load::texture::{MapSpec, Place, Slot, Source, Sources, Stated};

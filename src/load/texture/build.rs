@@ -3,7 +3,7 @@
 use super::bare;
 use super::pictures::{self, Means, Pictures};
 use super::{MapSpec, Slot, Source};
-use crate::bsdf::{Map, Maps, Material, Parameter};
+use crate::bsdf::{Map, Maps, Material, Parameter, Scatter};
 use crate::error::{Findings, Result};
 use crate::load::materials::MaterialSpec;
 use crate::load::open::Reach;

@@ -1,7 +1,7 @@
 //! Which of an MTL's texture statements changes what.
 
 use super::{MapSpec, Slot, Source, Sources, Stated};
-use crate::bsdf::{Bsdf, Parameter};
+use crate::bsdf::{Bsdf, Parameter, Scatter};
 use crate::error::{Finding, Findings, Severity, show_path};
 use crate::load::auto;
 use crate::load::materials::MaterialSpec;
