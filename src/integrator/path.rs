@@ -44,6 +44,9 @@ struct Branch {
     numbers: [u32; LANES],
     /// Its share of what the vertex sends on.
     share: f32,
+    /// The lanes that took a light sample, and their receivers' packed normals.
+    lit: Mask,
+    normals: [u32; LANES],
 }
 
 impl Integrator for Path {
@@ -66,23 +69,28 @@ impl Integrator for Path {
             batch.lanes & lanes_where::<LANES>(|lane| cx.scatters(batch.material[lane], batch.outside[lane]));
         let rough = alive & !lanes_where::<LANES>(|lane| batch.bsdf[lane].is_delta());
         let split = if self.fan_out(batch.depth) > 1 { rough } else { 0 };
-        let whole = Branch { keys: batch.keys, numbers: batch.branch, share: 1.0 };
-        // Branches share one light sample where another would take next to no error away.
-        let lit = if cx.splits_light_samples { rough & !split } else { rough };
-        let (lit, normals) = self.connect(cx, batch, &whole, lit, out);
-        if alive & !split != 0 {
-            self.extend(cx, batch, &whole, alive & !split, lit, &normals, out);
-        }
-        if split == 0 {
-            return;
-        }
-        for number in 1..=self.splits {
-            let branch = self.branch(cx, batch, number);
-            let (mut lit, mut normals) = (lit, normals);
-            if cx.splits_light_samples {
-                (lit, normals) = self.connect(cx, batch, &branch, split, out);
+        let last = if split != 0 { self.splits } else { 0 };
+        let (lit, normals) = (0, [Receiver::ALL_AROUND; LANES]);
+        let mut branch = Branch { keys: batch.keys, numbers: batch.branch, share: 1.0, lit, normals };
+        // One loop and one place for each call: all of it is compiled into this function, once a BSDF.
+        for number in 0..=last {
+            if number > 0 {
+                self.branch_off(cx, batch, number, &mut branch);
             }
-            self.extend(cx, batch, &branch, split, lit, &normals, out);
+            let lanes = if number == 0 { alive & !split } else { split };
+            // Branches share one light sample where another would take next to no error away.
+            let rough = match number {
+                0 if cx.splits_light_samples => rough & !split,
+                0 => rough,
+                _ if cx.splits_light_samples => split,
+                _ => 0,
+            };
+            if cx.samples_lights && rough != 0 {
+                self.connect(cx, batch, &mut branch, rough, out);
+            }
+            if lanes != 0 {
+                self.extend(cx, batch, &branch, lanes, out);
+            }
         }
     }
 
@@ -93,42 +101,36 @@ impl Integrator for Path {
 }
 
 impl Path {
-    /// Branch `number`, from 1, of every lane.
+    /// Goes over to branch `number`, from 1, of every lane.
     #[inline(always)]
-    fn branch<B: Scatter>(&self, cx: &Context<'_>, batch: &Batch<B>, number: u32) -> Branch {
-        let mut keys = batch.keys;
+    fn branch_off<B: Scatter>(&self, cx: &Context<'_>, batch: &Batch<B>, number: u32, branch: &mut Branch) {
         for lane in 0..LANES {
-            keys.set(lane, cx.branched(batch.keys.get(lane), number));
+            branch.keys.set(lane, cx.branched(batch.keys.get(lane), number));
         }
-        Branch { keys, numbers: [number; LANES], share: 1.0 / self.splits as f32 }
+        (branch.numbers, branch.share) = ([number; LANES], 1.0 / self.splits as f32);
     }
 
-    /// Next-event estimation at the lanes `rough`: a light sample each, if there are lights to sample. Gives the lanes that
-    /// took one, and their receivers' packed normals.
+    /// Next-event estimation at the lanes `rough`: a light sample each.
     #[inline(always)]
     fn connect<B: Scatter>(
         &self,
         cx: &Context<'_>,
         batch: &Batch<B>,
-        branch: &Branch,
+        branch: &mut Branch,
         rough: Mask,
         out: &mut BatchSink<'_>,
-    ) -> (Mask, [u32; LANES]) {
-        let mut normals = [Receiver::ALL_AROUND; LANES];
-        if !cx.samples_lights || rough == 0 {
-            return (0, normals);
-        }
+    ) {
         let dimensions = cx.dimensions.at(batch.depth);
         let mut choices = [0; LANES];
         if cx.lights.has_choice() {
             choices = cx.sampler.bits_of(&branch.keys, dimensions.choice);
-            for (lane, normal) in normals.iter_mut().enumerate() {
+            for (lane, normal) in branch.normals.iter_mut().enumerate() {
                 let all_around = batch.bsdf[lane].transmits();
                 *normal = cx.lights.receiver(&batch.surface.get(lane), batch.wo.get(lane), all_around).1;
             }
         }
         let u = cx.sampler.d2_of(&branch.keys, dimensions.light);
-        let lights = cx.lights.sample_all(&batch.surface, &normals, &choices, &u, rough);
+        let lights = cx.lights.sample_all(&batch.surface, &branch.normals, &choices, &u, rough);
         let mut radiance = Vec3s::ZERO;
         let mut arrives = [false; LANES];
         if B::is_small() {
@@ -145,7 +147,7 @@ impl Path {
             }
         }
         out.connect(lights.lanes & mask(&arrives), &lights, &radiance, &batch.slot);
-        (rough, normals)
+        branch.lit = rough;
     }
 
     /// What a lane's light sample brings, if the second is true.
@@ -161,7 +163,7 @@ impl Path {
     }
 
     /// Follows the lanes `alive`: the hemisphere integral of eq. (1) by importance sampling, eq. (20), with the BSDF's
-    /// density. `lit`: those that took light samples, whose receivers have `normals`.
+    /// density.
     #[inline(always)]
     fn extend<B: Scatter>(
         &self,
@@ -169,14 +171,12 @@ impl Path {
         batch: &Batch<B>,
         branch: &Branch,
         mut alive: Mask,
-        lit: Mask,
-        normals: &[u32; LANES],
         out: &mut BatchSink<'_>,
     ) {
         let dimensions = cx.dimensions.at(batch.depth);
         let u = cx.sampler.d2_of(&branch.keys, dimensions.bsdf);
         let lobe = if cx.has_lobes { cx.sampler.d1_of(&branch.keys, dimensions.lobe) } else { [0.0; LANES] };
-        let mut next = Extensions::new(&batch.slot, &branch.numbers, normals);
+        let mut next = Extensions::new(&batch.slot, &branch.numbers, &branch.normals);
         let mut goes_on = [false; LANES];
         if B::is_small() {
             for lane in 0..LANES {
@@ -194,7 +194,7 @@ impl Path {
         }
         let last = batch.depth + 1 == self.max_depth && !cx.has_moving_lamps;
         for lane in lanes_of(alive) {
-            next.pdf[lane] = competing_pdf(self.lights, lit >> lane & 1 == 1, next.pdf[lane]);
+            next.pdf[lane] = competing_pdf(self.lights, branch.lit >> lane & 1 == 1, next.pdf[lane]);
             // The next vertex could only emit, and that has been counted.
             alive &= !(Mask::from(next.pdf[lane] == 0.0 && last) << lane);
         }
