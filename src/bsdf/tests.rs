@@ -8,6 +8,7 @@ use super::fresnel::Reflectance;
 use super::metals::METALS;
 use super::principled::Look;
 use super::*;
+use crate::math::chi_square::random;
 
 /// A model under test.
 struct Model {
@@ -24,8 +25,13 @@ struct Model {
 /// Roughnesses that every model with facets is tested at.
 const ROUGHNESSES: [f32; 5] = [0.0, 0.001, 0.05, 0.3, 1.0];
 
-/// Every registered model, where it has facets at every roughness; the registry's names must all occur here.
+/// Every registered model, where it has facets at [`ROUGHNESSES`].
 fn models() -> Vec<Model> {
+    models_of(&ROUGHNESSES)
+}
+
+/// Every registered model, where it has facets at every one of those; the registry's names must all occur here.
+fn models_of(roughnesses: &[f32]) -> Vec<Model> {
     let mut all = Vec::new();
     let mut add = |name, what: &str, bsdf: Box<dyn Scatter + Sync>| {
         all.push(Model { name, what: format!("{name} {what}"), bsdf, ior: 1.0, reciprocal: true });
@@ -39,7 +45,7 @@ fn models() -> Vec<Model> {
     add("translucent", "both ways", Box::new(Translucent::new(Rgb::splat(0.3), Rgb::splat(0.6))));
     add("translucent", "through alone", Box::new(Translucent::new(Rgb::ZERO, Rgb::ONE)));
     add("conductor", "α 0.8", Box::new(Conductor::new(Reflectance::Constant(Rgb::ONE), 0.8, true)));
-    for roughness in ROUGHNESSES {
+    for &roughness in roughnesses {
         rough_models(roughness, &mut all);
     }
     all
@@ -112,19 +118,6 @@ fn sides(model: &Model) -> &'static [bool] {
 fn point(i: u32) -> ([f32; 2], f32) {
     let at = |a: f64| ((0.5 + a * f64::from(i + 1)).fract() as f32).min(0.999_999_9);
     ([at(0.819_172_513_396_164_4), at(0.671_043_606_703_789_2)], at(0.549_700_477_901_970_3))
-}
-
-/// Independent uniform numbers, as the χ² statistic wants them.
-fn random(i: u32) -> ([f32; 2], f32) {
-    let hash = |x: u32| {
-        let mut x = x.wrapping_mul(0x9e37_79b9) ^ 0x85eb_ca6b;
-        for _ in 0..3 {
-            x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
-            x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
-        }
-        (x >> 8) as f32 / 16_777_216.0
-    };
-    ([hash(3 * i), hash(3 * i + 1)], hash(3 * i + 2))
 }
 
 #[test]

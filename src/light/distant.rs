@@ -160,7 +160,7 @@ impl Distants {
 
     /// Probability of choosing a light at infinity.
     #[inline(always)]
-    fn chance(&self, light: Distant, tree: &LightTree, to: &Receiver) -> f32 {
+    pub(super) fn chance(&self, light: Distant, tree: &LightTree, to: &Receiver) -> f32 {
         let Some(candidate) = self.candidates.iter().find(|c| c.light == light) else { return 0.0 };
         let importance = candidate.importance(to);
         if importance <= 0.0 {

@@ -4,6 +4,8 @@
 //! Radiance in W/(m²·sr), a point's intensity in W/sr. Directions `wi` point from the surface to the light.
 
 pub mod bounds;
+#[cfg(test)]
+mod density_tests;
 mod directional;
 pub mod distant;
 mod emission;

@@ -2,6 +2,7 @@
 
 use crate::accel::{Checked, Hits, LANES, Mask};
 use crate::math::{DVec3, Frame, Rgb, Vec3, warp};
+use std::f32::consts::TAU;
 
 /// A sphere that sends the same radiance from every point of its outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,14 +51,14 @@ impl Sphere {
     /// Density per solid angle with which [`Sphere::sample`] chooses a direction that meets the sphere.
     #[inline]
     pub fn pdf(&self, p: Vec3) -> f32 {
-        self.cos_max(p).map_or(0.0, |cos| 1.0 / self.solid_angle(p, cos))
+        self.cos_max(p).map_or(0.0, |cos| 1.0 / (TAU * self.height(p, cos)))
     }
 
-    /// 2π(1 − cos θ), with 1 − cos θ = sin²θ/(1 + cos θ), which keeps its digits for far and small spheres.
+    /// 1 − cos θ = sin²θ/(1 + cos θ), which keeps its digits for far and small spheres.
     #[inline]
-    fn solid_angle(&self, p: Vec3, cos: f32) -> f32 {
+    fn height(&self, p: Vec3, cos: f32) -> f32 {
         let sin2 = self.radius * self.radius / (self.center - p).length_squared();
-        std::f32::consts::TAU * sin2 / (1.0 + cos)
+        sin2 / (1.0 + cos)
     }
 
     /// A direction from `p` to the sphere, uniform in solid angle, with its density and the distance to the
@@ -65,12 +66,12 @@ impl Sphere {
     #[inline]
     pub fn sample(&self, p: Vec3, u: [f32; 2]) -> Option<(Vec3, f32, f32)> {
         let cos_max = self.cos_max(p)?;
-        let axis = (self.center - p).normalize();
-        let wi = Frame::new(axis).to_world(warp::cone(u, cos_max));
+        let (axis, height) = ((self.center - p).normalize(), self.height(p, cos_max));
+        let wi = Frame::new(axis).to_world(warp::cap(u, height));
         // A direction at the rim can miss by rounding; the nearest point is the tangent's then.
         let tangent = (self.center - p).length() * cos_max;
         let t = self.intersect(p, wi, 0.0, f32::INFINITY).unwrap_or(tangent);
-        Some((wi, 1.0 / self.solid_angle(p, cos_max), t))
+        Some((wi, 1.0 / (TAU * height), t))
     }
 }
 

@@ -1,7 +1,6 @@
 //! The sun: a disc at infinity.
 
-use crate::math::approx::sin_cos_turn;
-use crate::math::{Frame, Rgb, Vec3};
+use crate::math::{Frame, Rgb, Vec3, warp};
 use std::f32::consts::TAU;
 
 /// A disc of constant radiance, infinitely far away; rays that meet nothing else see it.
@@ -44,10 +43,7 @@ impl Sun {
     /// A direction of the disc, uniform in solid angle.
     #[inline(always)]
     pub fn sample(&self, u: [f32; 2]) -> Vec3 {
-        let h = u[0] * self.height();
-        let r = (h * (2.0 - h)).sqrt();
-        let (s, c) = sin_cos_turn(u[1]);
-        Frame::new(self.direction).to_world(Vec3::new(r * c, r * s, 1.0 - h))
+        Frame::new(self.direction).to_world(warp::cap(u, self.height()))
     }
 }
 

@@ -5,6 +5,8 @@
 
 pub mod aabb;
 pub mod approx;
+#[cfg(test)]
+pub(crate) mod chi_square;
 pub mod digest;
 pub mod distribution;
 pub mod frame;

@@ -1,6 +1,7 @@
 //! Samples follow the density: χ² over the sphere, and over rings around lobes that are narrower than its cells.
 
 use super::*;
+use crate::math::chi_square::deviate;
 use crate::math::{DVec3, Frame};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -33,27 +34,6 @@ fn masses(model: &dyn Scatter, view: &View) -> Vec<f64> {
         *mass *= 2.0 * TAU / (ROWS * COLUMNS) as f64 / f64::from(fine * fine);
     }
     masses
-}
-
-/// χ² of counts against masses, normalised to a standard normal deviate (Wilson and Hilferty 1931); cells
-/// expecting fewer than 5 are pooled.
-fn deviate(counts: &[u32], masses: &[f64], samples: f64) -> f64 {
-    let (mut chi2, mut cells, mut pool) = (0.0, 0.0, (0.0, 0.0));
-    for (&count, mass) in counts.iter().zip(masses) {
-        let expected = mass * samples;
-        if expected < 5.0 {
-            pool = (pool.0 + f64::from(count), pool.1 + expected);
-        } else {
-            chi2 += (f64::from(count) - expected).powi(2) / expected;
-            cells += 1.0;
-        }
-    }
-    if pool.1 >= 5.0 {
-        chi2 += (pool.0 - pool.1).powi(2) / pool.1;
-        cells += 1.0;
-    }
-    let k: f64 = f64::max(cells - 1.0, 1.0);
-    ((chi2 / k).cbrt() - (1.0 - 2.0 / (9.0 * k))) / (2.0 / (9.0 * k)).sqrt()
 }
 
 /// Judges samples of the part that is no delta against masses of cells.
