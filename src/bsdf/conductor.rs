@@ -56,7 +56,7 @@ impl Conductor {
             let e = if self.anisotropy == 0.0 {
                 energy().average(self.alpha)
             } else {
-                grain_energy().average(self.alpha, self.anisotropy)
+                grain_energy().average(self.widths)
             };
             let f = self.average;
             // F_ms = F²·E_avg / (1 − F·(1 − E_avg)): light that was scattered twice or more.
@@ -70,13 +70,18 @@ impl Conductor {
         if self.anisotropy == 0.0 {
             energy().directional(w.z, self.alpha)
         } else {
-            grain_energy().directional(w, self.alpha, self.anisotropy)
+            grain_energy().directional(w, self.widths)
         }
     }
 
     /// GGX α.
     pub fn alpha(&self) -> f32 {
         self.alpha
+    }
+
+    /// True when it looks different from different sides.
+    pub fn is_brushed(&self) -> bool {
+        self.anisotropy != 0.0
     }
 
     /// True when a second lobe gives multiple scattering back.

@@ -9,11 +9,14 @@ use std::f32::consts::FRAC_1_PI;
 /// Below this α a surface is smooth: its lobe is narrower than f32 can resolve.
 pub const SMOOTH: f32 = 1e-4;
 
+/// What an anisotropy of 1 takes off the squared aspect of [`widths`]: Burley's 0.9.
+pub const STRONGEST: f32 = 0.9;
+
 /// α along x and along y for a surface of width `alpha` and `anisotropy` in [−1, 1]: positive makes the highlight
 /// longer along x (the grain runs along y). The aspect is Burley's (2012), and no α exceeds 1.
 #[inline(always)]
 pub fn widths(alpha: f32, anisotropy: f32) -> Vec2 {
-    let aspect = (1.0 - 0.9 * anisotropy.abs()).sqrt();
+    let aspect = (1.0 - STRONGEST * anisotropy.abs()).sqrt();
     let (narrow, wide) = ((alpha * aspect).max(SMOOTH), (alpha / aspect).min(1.0));
     if anisotropy >= 0.0 { Vec2::new(wide, narrow) } else { Vec2::new(narrow, wide) }
 }

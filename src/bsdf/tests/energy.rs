@@ -3,46 +3,72 @@
 use super::*;
 use rayon::prelude::*;
 
-/// The share of light that is sent back or passes, seen from `view`: the mean weight, radiance behind a body being
-/// η² times what it is in front.
-fn albedo(model: &Model, view: &View) -> f64 {
-    let n = 1 << 16;
+/// The share of light that is sent back or passes, seen from `view`, with its standard error: the mean weight, radiance
+/// behind a body being η² times what it is in front. Eight randomly shifted sets of well-spread numbers.
+fn measured(model: &Model, view: &View) -> [f64; 2] {
+    let (sets, n) = (8, 4096);
     let eta = if view.outside { model.ior } else { 1.0 / model.ior };
-    let one = |i: u32| {
-        let (u, lobe) = point(i);
-        let weight = |s: Sample| s.weight.max_element() * if s.wi.z < 0.0 { eta * eta } else { 1.0 };
-        model.bsdf.sample(view, u, lobe).map_or(0.0, |s| f64::from(weight(s)))
+    let weight = |s: Sample| s.weight.max_element() * if s.wi.z < 0.0 { eta * eta } else { 1.0 };
+    let set = |k: u32| {
+        let ([a, b], c) = random(k);
+        let one = |i: u32| {
+            let ([x, y], z) = point(i);
+            let shifted = |x: f32, by: f32| (x + by).fract().min(0.999_999_9);
+            let sample = model.bsdf.sample(view, [shifted(x, a), shifted(y, b)], shifted(z, c));
+            sample.map_or(0.0, |s| f64::from(weight(s)))
+        };
+        (0..n).map(one).sum::<f64>() / f64::from(n)
     };
-    (0..n).map(one).sum::<f64>() / f64::from(n)
+    let means: Vec<f64> = (0..sets).map(set).collect();
+    let mean = means.iter().sum::<f64>() / f64::from(sets);
+    let spread = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
+    [mean, (spread / f64::from(sets * (sets - 1))).sqrt()]
 }
 
-const ANGLES: [f32; 7] = [0.0, 20.0, 45.0, 60.0, 75.0, 85.0, 89.0];
+fn albedo(model: &Model, view: &View) -> f64 {
+    measured(model, view)[0]
+}
 
-/// Every model and view where `wrong` says that the albedo is.
-fn all_wrong(
-    chosen: impl Fn(&Model) -> bool + Sync,
-    wrong: impl Fn(f64, &Model, bool) -> bool + Sync,
-) -> Vec<String> {
-    let all = models();
+const ANGLES: [f32; 10] = [0.0, 20.0, 45.0, 60.0, 70.0, 80.0, 85.0, 87.0, 89.0, 89.8];
+/// Between and at the nodes of tables.
+const WIDTHS: [f32; 15] = [0.0, 0.02, 0.05, 0.1, 0.15, 0.2, 0.27, 0.33, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
+
+/// Every model and view where `wrong` says that the albedo and its standard error are. Views are from all around.
+fn all_wrong(all: &[Model], wrong: impl Fn([f64; 2], &Model, bool) -> bool + Sync) -> Vec<String> {
     let one = |model: &Model| {
         let mut found = Vec::new();
         for &outside in sides(model) {
-            for degrees in ANGLES {
-                let a = albedo(model, &View { outside, ..view(degrees) });
-                if wrong(a, model, outside) {
-                    found.push(format!("{} at {degrees}°, outside {outside}: {a}", model.what));
+            for (i, degrees) in ANGLES.into_iter().enumerate() {
+                let (s, c) = (1.3 * i as f32).sin_cos();
+                let wo = view(degrees).wo;
+                let view = View { outside, wo: Vec3::new(wo.x * c, wo.x * s, wo.z) };
+                let [a, error] = measured(model, &view);
+                if wrong([a, error], model, outside) {
+                    found.push(format!("{} at {degrees}°, outside {outside}: {a} ± {error}", model.what));
                 }
             }
         }
         found
     };
-    all.par_iter().filter(|m| chosen(m)).flat_map(one).collect()
+    all.par_iter().flat_map(one).collect()
 }
 
+/// The mean weight is 1 at most, within six standard errors and what f32 rounds.
 #[test]
 fn no_model_makes_energy() {
-    let wrong = all_wrong(|_| true, |a, _, _| a > 1.005);
+    let models: Vec<Model> = models_of(&WIDTHS).into_iter().chain(faint_bodies()).collect();
+    let wrong = all_wrong(&models, |[a, error], _, _| a > 1.0 + 6.0 * error + 2e-5);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Bodies that hardly bend light, whose tables are coarse; too narrow for quadratures of their densities.
+fn faint_bodies() -> Vec<Model> {
+    let of = |ior: f32, roughness: f32| {
+        let bsdf = Box::new(Dielectric::new(ior, Rgb::ONE).rough(roughness * roughness, true));
+        let what = format!("dielectric of index {ior} and roughness {roughness}");
+        Model { name: "dielectric", what, bsdf, ior, reciprocal: true }
+    };
+    [0.98, 1.005, 1.1].into_iter().flat_map(|ior| WIDTHS.map(|roughness| of(ior, roughness))).collect()
 }
 
 /// Models that send everything on.
@@ -59,13 +85,10 @@ fn white(model: &Model) -> bool {
 fn what_is_white_gives_everything_back() {
     let count = models().iter().filter(|m| white(m)).count();
     assert_eq!(count, 5 * (1 + 2 + 5 + 1 + 1 + 2), "white models at every roughness");
-    // Seen from inside, total reflection begins at an angle that the tables' nodes do not meet.
-    let allowed = |model: &Model, outside: bool| match () {
-        () if model.what.contains("grain") => 0.015,
-        () if !outside || model.ior < 1.0 => 0.01,
-        () => 0.005,
-    };
-    let wrong = all_wrong(white, |a, model, outside| (a - 1.0).abs() > allowed(model, outside));
+    // Tables err to the dark side; brushed metals' are coarse.
+    let allowed = |model: &Model| if model.what.contains("grain") { 0.02 } else { 0.008 };
+    let white: Vec<Model> = models().into_iter().filter(white).collect();
+    let wrong = all_wrong(&white, |[a, error], model, _| a < 1.0 - allowed(model) - 6.0 * error);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
