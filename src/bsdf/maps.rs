@@ -2,9 +2,10 @@
 
 use super::Scatter;
 use super::parameter::{Channels, Parameter};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Frame, Rgb, Vec2, Vec3};
 use crate::shape::{Mesh, Surface};
 use crate::texture::{Opacity, Relief, Tangents, Texture};
+use glam::DAffine3;
 
 /// One number or colour of the BSDF as a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +38,9 @@ pub struct Maps {
     pub opacity: Option<Opacity>,
     /// How the shading normal turns.
     pub relief: Option<Relief>,
+    /// The frame's x axis on the surface: this much along growing u and along growing v (a cosine and a sine). `None`: the
+    /// BSDF is the same all around.
+    pub grain: Option<[f32; 2]>,
 }
 
 impl Maps {
@@ -69,5 +73,37 @@ impl Maps {
             Some(relief.normal(surface.ns, surface.ng, &tangents, surface.uv))
         });
         turned.unwrap_or(surface.ns)
+    }
+
+    /// The way of the grain on a triangle; `None` where the BSDF has none or the triangle no texture coordinates.
+    pub fn grain_at(&self, mesh: &Mesh, triangle: usize) -> Option<Grain> {
+        let shares = self.grain?;
+        let tangents = Tangents::new(mesh, triangle, mesh.triangle_uvs(triangle)?)?;
+        Some(Grain { tangents, shares })
+    }
+}
+
+/// Which way an anisotropic BSDF's x axis lies at a hit.
+#[derive(Clone, Copy, Debug)]
+pub struct Grain {
+    tangents: Tangents,
+    /// As [`Maps::grain`].
+    shares: [f32; 2],
+}
+
+impl Grain {
+    /// The same of a mesh that is placed by `transform`.
+    #[must_use]
+    pub fn placed(self, transform: &DAffine3) -> Grain {
+        let place = |v: Vec3| transform.transform_vector3(v.as_dvec3()).as_vec3();
+        let Tangents { dpdu, dpdv } = self.tangents;
+        Grain { tangents: Tangents { dpdu: place(dpdu), dpdv: place(dpdv) }, ..self }
+    }
+
+    /// The frame around the unit normal `n` with x along the grain; `None` where u grows along the normal.
+    #[inline]
+    pub fn frame(&self, n: Vec3) -> Option<Frame> {
+        let [u, v] = self.tangents.around(n)?;
+        Some(Frame::with_x(u * self.shares[0] + v * self.shares[1], n))
     }
 }

@@ -32,7 +32,7 @@ pub mod translucent;
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
-pub use maps::{Map, Maps};
+pub use maps::{Grain, Map, Maps};
 pub use mirror::Mirror;
 pub use oren_nayar::OrenNayar;
 pub use parameter::Parameter;
@@ -202,6 +202,15 @@ impl Bsdf {
             Bsdf::OrenNayar(m) => m.albedo(),
             Bsdf::Plastic(m) => m.albedo(),
             Bsdf::Principled(m) => m.albedo(),
+        }
+    }
+
+    /// True when the model looks different from different sides of a point, so that the frame's axes matter.
+    pub fn has_grain(&self) -> bool {
+        match self {
+            Bsdf::Conductor(m) => m.is_brushed(),
+            Bsdf::Principled(m) => m.look().anisotropy != 0.0,
+            _ => false,
         }
     }
 

@@ -26,6 +26,7 @@ pub(super) fn from_mtl(name: &str, m: &MtlMaterial) -> MaterialSpec {
     let specular = color(&m.ks).unwrap_or(Rgb::ZERO);
     let illum = m.illum.as_ref().map(|at| at.value);
     let mut spec = MaterialSpec::diffuse(name, diffuse);
+    spec.rotation = 360.0 * number(&m.anisor).unwrap_or(0.0);
     spec.emission = color(&m.ke).unwrap_or(Rgb::ZERO);
     if is_physical(m) {
         spec.model = Bsdf::Principled(Principled::new(look(m)));

@@ -18,6 +18,8 @@ pub(crate) struct MaterialSpec {
     pub two_sided: bool,
     /// The share of hits that count, 0 to 1; the rest of the light goes straight on.
     pub opacity: f32,
+    /// By how many degrees an anisotropic model's x axis is turned from growing u towards growing v.
+    pub rotation: f32,
     /// Pictures in place of constants.
     pub maps: Vec<MapSpec>,
     /// A mixture of others.
@@ -44,6 +46,7 @@ impl MaterialSpec {
             emission: Rgb::ZERO,
             two_sided: true,
             opacity: 1.0,
+            rotation: 0.0,
             maps: Vec::new(),
             mix: None,
         }

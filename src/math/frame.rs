@@ -27,6 +27,12 @@ impl Frame {
         }
     }
 
+    /// The frame with local x along `s`, which is unit and at right angles to the unit normal `n`.
+    #[inline(always)]
+    pub fn with_x(s: Vec3, n: Vec3) -> Frame {
+        Frame { s, t: n.cross(s), n }
+    }
+
     /// World to local.
     #[inline(always)]
     pub fn to_local(&self, v: Vec3) -> Vec3 {

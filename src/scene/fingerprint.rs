@@ -99,7 +99,8 @@ fn digest_of_materials(materials: &[Material], stop: &dyn Fn() -> bool) -> Optio
         let mut texels = |texels: &Arc<Texels>| {
             if stop() { [0; 32] } else { once(&mut seen, texels, |texels, digest| texels.digest(digest)) }
         };
-        let Maps { parameters, emission, opacity, relief } = maps;
+        let Maps { parameters, emission, opacity, relief, grain } = maps;
+        all.value(grain);
         for Map { parameter, texture } in parameters {
             all.value(parameter);
             texture.digest(&mut all, &mut texels);

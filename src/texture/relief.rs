@@ -25,6 +25,15 @@ impl Tangents {
         let sound = dpdu.is_finite() && dpdv.is_finite() && dpdu.cross(dpdv).length_squared() > 0.0;
         sound.then_some(Tangents { dpdu, dpdv })
     }
+
+    /// Unit vectors along growing u and, at right angles to it, on the side of growing v, both at right angles to the unit
+    /// normal `n`; `None` where u grows along the normal.
+    pub fn around(&self, n: Vec3) -> Option<[Vec3; 2]> {
+        let t = (self.dpdu - n * n.dot(self.dpdu)).try_normalize()?;
+        // Mirrored texture coordinates have their v on the other side.
+        let b = n.cross(t);
+        Some([t, b * 1.0f32.copysign(b.dot(self.dpdv))])
+    }
 }
 
 /// What a relief's picture holds.
@@ -64,10 +73,7 @@ impl Relief {
     fn mapped(&self, ns: Vec3, tangents: &Tangents, uv: Vec2, strength: f32) -> Vec3 {
         let middle = self.map.texels().middle();
         let n = (self.map.rgb(uv) - middle) / (1.0 - middle);
-        let Some(t) = (tangents.dpdu - ns * ns.dot(tangents.dpdu)).try_normalize() else { return ns };
-        // Mirrored texture coordinates have their v on the other side.
-        let b = ns.cross(t);
-        let b = b * 1.0f32.copysign(b.dot(tangents.dpdv));
+        let Some([t, b]) = tangents.around(ns) else { return ns };
         (t * n.x + b * n.y) * strength + ns * n.z
     }
 

@@ -6,6 +6,7 @@
 //! caught (δ/9.46): too noisy is a failure, never a pass. Each check must also refuse the same answer off by
 //! one percent, so none can pass by being blunt (see `harness::Statistics::verdict`).
 
+mod brushed;
 mod closed;
 mod convergence;
 mod cutouts;

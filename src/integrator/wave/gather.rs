@@ -2,7 +2,7 @@
 
 use super::pushed::Slot;
 use crate::accel::{Hits, LANES, Mask};
-use crate::bsdf::{Material, Scatter};
+use crate::bsdf::{Grain, Material, Scatter};
 use crate::integrator::Context;
 use crate::integrator::batch::Batch;
 use crate::integrator::lanes::Lanes;
@@ -89,6 +89,17 @@ pub fn batch<B: Scatter + Clone>(
         view.set(lane, f.to_local(wo));
         *outside = s.ng.dot(wo) > 0.0;
     }
+    if cx.has_maps {
+        for lane in 0..LANES {
+            let time = traced.slots[slot[lane] as usize].time;
+            let grain = grain(cx, ids[lane], part[lane], time);
+            if let Some(f) = grain.and_then(|grain| grain.frame(frame[2].get(lane))) {
+                frame[0].set(lane, f.s);
+                frame[1].set(lane, f.t);
+                view.set(lane, f.to_local(wo.get(lane)));
+            }
+        }
+    }
     let lanes = (u32::from(Mask::MAX) >> (LANES - of.len().min(LANES))) as Mask;
     Some(Batch {
         lanes,
@@ -111,4 +122,12 @@ pub fn batch<B: Scatter + Clone>(
         keys,
         slot,
     })
+}
+
+/// Which way the grain of material `part` lies on a triangle at a `time`.
+fn grain(cx: &Context<'_>, [mesh, triangle]: [u32; 2], part: u32, time: f32) -> Option<Grain> {
+    let maps = cx.materials[part as usize].maps.as_ref()?;
+    let (mesh, place) = cx.mesh(mesh);
+    let grain = maps.grain_at(mesh, triangle as usize)?;
+    Some(place.map_or(grain, |place| grain.placed(&cx.transform(place, time))))
 }

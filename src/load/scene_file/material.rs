@@ -4,6 +4,7 @@ use super::Home;
 use super::reader::{Field, LIGHT, SHARE, Section};
 use super::texture::Textures;
 use crate::bsdf::fresnel::Reflectance;
+use crate::bsdf::ggx::STRONGEST;
 use crate::bsdf::metals::METALS;
 use crate::bsdf::parameter::Channels;
 use crate::bsdf::principled::Look;
@@ -30,6 +31,7 @@ pub(crate) struct MaterialPatch<'t> {
     changes: Vec<(Field<'t>, Change)>,
     emission: Option<Rgb>,
     two_sided: Option<bool>,
+    rotation: Option<f32>,
     textures: Textures<'t>,
 }
 
@@ -37,10 +39,15 @@ pub(crate) struct MaterialPatch<'t> {
 #[derive(Clone, Copy)]
 enum Change {
     Set(Parameter, Rgb),
-    Index { eta: Rgb, k: Rgb },
+    Index {
+        eta: Rgb,
+        k: Rgb,
+    },
     Compensate(bool),
     Thin(bool),
     Nonlinear(bool),
+    /// GGX α along x and along y.
+    Widths([f32; 2]),
 }
 
 /// Reads every material by name.
@@ -69,11 +76,13 @@ fn read<'t>(field: Field<'t>, folder: &Path, sources: &mut Sources) -> Result<Ma
     let changes = changes(&mut table)?;
     let emission = table.read("emission", |f| f.color(LIGHT))?;
     let two_sided = table.read("two_sided", |f| f.bool())?;
+    let degrees = |f: Field<'t>| f.number(-360.0..=360.0).map(|x| x as f32);
+    let rotation = table.read("anisotropy_rotation", degrees)?;
     table.finish()?;
     if let (true, Some((field, _))) = (is_mix, changes.first()) {
         return Err(field.error(format!("{} is no key of a mix", field.name())));
     }
-    let patch = MaterialPatch { field, model, mix, changes, emission, two_sided, textures };
+    let patch = MaterialPatch { field, model, mix, changes, emission, two_sided, rotation, textures };
     if patch.model.is_some() {
         // The model is known, so its keys are checked before any mesh is read.
         patch.apply(MaterialSpec::diffuse("", Rgb::ONE))?;
@@ -97,6 +106,7 @@ fn changes<'t>(table: &mut Section<'t>) -> Result<Vec<(Field<'t>, Change)>> {
     changes.extend(change(table, "compensate", |f| f.bool().map(Change::Compensate))?);
     changes.extend(change(table, "thin", |f| f.bool().map(Change::Thin))?);
     changes.extend(change(table, "nonlinear", |f| f.bool().map(Change::Nonlinear))?);
+    changes.extend(widths(table, &changes)?);
     let of = |wanted: fn(&Change) -> bool| changes.iter().find(|(_, c)| wanted(c)).map(|(f, _)| f);
     if let (Some(a), Some(b)) = (
         of(|c| matches!(c, Change::Set(Parameter::Reflectance, _))),
@@ -181,6 +191,35 @@ fn index<'t>(table: &mut Section<'t>) -> Result<Option<(Field<'t>, Change)>> {
     }
 }
 
+/// `alpha_x` and `alpha_y`, in place of the `others` that set the width.
+fn widths<'t>(
+    table: &mut Section<'t>,
+    others: &[(Field<'t>, Change)],
+) -> Result<Option<(Field<'t>, Change)>> {
+    let alpha = |f: &Field<'t>| f.number(0.0..=1.0).map(|x| x as f32);
+    let (x, y) = match (with_field(table, "alpha_x", alpha)?, with_field(table, "alpha_y", alpha)?) {
+        (Some(x), Some(y)) => (x, y),
+        (None, None) => return Ok(None),
+        (Some((field, _)), None) => return Err(field.error("alpha_x needs alpha_y beside it")),
+        (None, Some((field, _))) => return Err(field.error("alpha_y needs alpha_x beside it")),
+    };
+    let width = |c: &Change| match c {
+        Change::Set(p, _) => matches!(p, Parameter::Roughness | Parameter::Alpha | Parameter::Anisotropy),
+        _ => false,
+    };
+    if let Some((other, _)) = others.iter().find(|(_, change)| width(change)) {
+        let message = format!("{} and alpha_x both set the width", other.name());
+        return Err(other.error(message).advise("give one of them"));
+    }
+    let (field, widths) = (x.0, [x.1, y.1]);
+    if widths[0].min(widths[1]) < (1.0 - STRONGEST) * widths[0].max(widths[1]) {
+        return Err(field
+            .error("alpha_x and alpha_y differ by more than a factor of 10")
+            .advise("raise the smaller one"));
+    }
+    Ok(Some((field, Change::Widths(widths))))
+}
+
 fn metal(word: &str) -> Result<Change> {
     let found = METALS.iter().find(|m| m.0 == word);
     found.map(|m| Change::Index { eta: Rgb::from(m.1), k: Rgb::from(m.2) }).ok_or_else(|| {
@@ -233,6 +272,7 @@ impl MaterialPatch<'_> {
         }
         base.emission = self.emission.unwrap_or(base.emission);
         base.two_sided = self.two_sided.unwrap_or(base.two_sided);
+        base.rotation = self.rotation.unwrap_or(base.rotation);
         self.textures.apply(&mut base, self.is_whole())?;
         Ok(base)
     }
@@ -251,6 +291,15 @@ fn set(model: &mut Bsdf, change: &Change) -> bool {
         }
         (Change::Compensate(c), Bsdf::Conductor(m)) => *m = m.with_compensation(c),
         (Change::Compensate(c), Bsdf::Dielectric(m)) => *m = m.with_compensation(c),
+        (Change::Widths([x, y]), model) => {
+            // Burley's aspect, solved for what makes it: see `ggx::widths`.
+            let ratio = if x == y { 1.0 } else { x.min(y) / x.max(y) };
+            let anisotropy = ((1.0 - ratio) / STRONGEST).copysign(x - y);
+            let alpha = (x * y).sqrt();
+            return model.set(Parameter::Anisotropy, Rgb::splat(anisotropy))
+                && (model.set(Parameter::Alpha, Rgb::splat(alpha))
+                    || model.set(Parameter::Roughness, Rgb::splat(alpha.sqrt())));
+        }
         (Change::Thin(thin), Bsdf::Dielectric(m)) => *m = m.thin(thin),
         (Change::Nonlinear(nonlinear), Bsdf::Plastic(m)) => *m = m.with_nonlinear(nonlinear),
         _ => return false,

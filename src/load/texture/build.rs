@@ -42,7 +42,7 @@ pub(crate) fn build(
 
 /// The material that `spec` describes; without pictures, the constants in their place.
 pub(super) fn material(spec: &MaterialSpec, mut pictures: Option<&mut Pictures>) -> Material {
-    let opacity = spec.opacity;
+    let (opacity, rotation) = (spec.opacity, spec.rotation);
     let mut material = spec.clone().build();
     let mut maps = Maps::default();
     if opacity < 1.0 {
@@ -54,6 +54,11 @@ pub(super) fn material(spec: &MaterialSpec, mut pictures: Option<&mut Pictures>)
             Some((texture, means)) => lay(spec, texture, means, opacity, &mut maps, &mut material),
             None => do_without(spec, &mut material),
         }
+    }
+    let changed = |map: &Map| map.parameter == Parameter::Anisotropy;
+    if material.bsdf.has_grain() || maps.parameters.iter().any(changed) {
+        let turns = f64::from(rotation).to_radians();
+        maps.grain = Some([libm::cos(turns), libm::sin(turns)].map(|x| x as f32));
     }
     if maps != Maps::default() {
         material.maps = Some(Arc::new(maps));
