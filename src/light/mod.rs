@@ -10,6 +10,7 @@ mod directional;
 pub mod distant;
 mod emission;
 mod environment;
+pub mod importance;
 mod lights;
 pub mod panorama;
 pub mod patch;
