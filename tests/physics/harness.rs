@@ -71,9 +71,14 @@ fn stage_files<T: AsRef<[u8]>>(
     prepare(folder.path());
     let path = folder.path().join("scene.toml");
     std::fs::write(&path, toml).unwrap();
+    stage_of(&path, backend, set)
+}
+
+/// A scene file on disk with `--set` overrides.
+pub fn stage_of(path: &Path, backend: Backend, set: &[&str]) -> Stage {
     let mut overrides = vec![Override::parse(&format!("render.backend={}", backend.name())).unwrap()];
     overrides.extend(set.iter().map(|s| Override::parse(s).unwrap()));
-    let loaded = load::scene(&path, load::Options { overrides, ..Default::default() }).unwrap();
+    let loaded = load::scene(path, load::Options { overrides, ..Default::default() }).unwrap();
     let accel = build(&loaded.scene, &loaded.settings, None, &Hooks::NONE).unwrap();
     Stage { scene: loaded.scene, settings: loaded.settings, accel }
 }

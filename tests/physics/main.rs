@@ -11,6 +11,7 @@ mod closed;
 mod convergence;
 mod cutouts;
 mod direct;
+mod every_scene;
 mod harness;
 mod instances;
 mod invariance;
