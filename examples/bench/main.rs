@@ -3,12 +3,14 @@
 //! `cargo run --release --example bench -- [--dragon FILE.obj] [--scenes S1,S2,S3,S4] [--json FILE]`
 //!
 //! S1 is the Cornell box, S2 a scanned dragon on a plane under a white sky, S3 the same with a bumpy sphere of five
-//! million triangles, S4 the dragon as rough metal. For each: CPU seconds of loading, building and rendering; samples
+//! million triangles, S4 the dragon as rough metal. L1 to L3, when they are asked for, have many or small lights: a picture
+//! of a sky with its sun, 1,000 lamps, 100,000 lamps. For each: CPU seconds of loading, building and rendering; samples
 //! and rays a second; the share of time inside the intersector; what the same rays cost when they are only replayed,
 //! below which no render can get; the error against a long run with another seed, or a given picture; the efficiency
 //! 1/(relMSE·s); bytes a triangle. `docs/performance.md` says how to read the figures, and `peers.py` beside this file
 //! renders the same scenes with other programs.
 
+mod lamps;
 mod measure;
 mod scenes;
 

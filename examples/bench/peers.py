@@ -50,6 +50,9 @@ def dragon(package, out):
     print(f"{out}: {len(points)} vertices, {len(triangles)} triangles")
 
 
+LAMPS = {"L1": "sky.pfm", "L2": "lamps-1000.obj", "L3": "lamps-100000.obj"}
+
+
 def scene(mi, name, a):
     rgb = lambda v: {"type": "rgb", "value": v}
     two_sided = lambda bsdf: {"type": "twosided", "bsdf": bsdf}
@@ -78,6 +81,17 @@ def scene(mi, name, a):
             parts[group] = {"type": "obj", "filename": path, "face_normals": True, "bsdf": diffuse(kd[group])}
             if any(ke.get(group, [0])):
                 parts[group]["emitter"] = {"type": "area", "radiance": rgb(ke[group])}
+    elif name in LAMPS:
+        def obj(file, bsdf, **more):
+            return {"type": "obj", "filename": os.path.join(a.dir, file), "bsdf": bsdf, **more}
+
+        parts["body"] = obj("bumpy-sphere-0.2M.obj", diffuse([0.7] * 3))
+        parts["ground"] = obj("ground.obj", diffuse([0.7] * 3))
+        if LAMPS[name].endswith(".pfm"):
+            parts["sky"] = {"type": "envmap", "filename": os.path.join(a.dir, LAMPS[name])}
+        else:
+            lamp = {"type": "area", "radiance": rgb([9.0, 7.0, 5.0])}
+            parts["lamps"] = obj(LAMPS[name], {"type": "diffuse", "reflectance": rgb([0.0] * 3)}, face_normals=True, emitter=lamp)
     else:
         metal = two_sided({"type": "roughconductor", "distribution": "ggx", "alpha": 0.2, "material": "none",
                            "specular_reflectance": rgb([0.7] * 3)})

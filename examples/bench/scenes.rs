@@ -1,6 +1,6 @@
 //! The four scenes, made from public parts.
 
-use crate::Args;
+use crate::{Args, lamps};
 use drt::error::{Error, Result};
 use std::f64::consts::{PI, TAU};
 use std::io::{BufWriter, Write};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// A scene to measure.
 #[derive(Clone, Debug)]
 pub struct Bench {
-    /// S1 to S4.
+    /// S1 to S4, L1 to L3.
     pub name: &'static str,
     /// The scene file.
     pub file: PathBuf,
@@ -46,7 +46,8 @@ impl Bench {
             ("S2", Some(dragon)) => under_sky("S2", dragon, DIFFUSE),
             ("S4", Some(dragon)) => under_sky("S4", dragon, METAL),
             ("S2" | "S4", None) => Ok(None),
-            _ => Err(Error::usage(format!("there is no scene {name}: S1, S2, S3, S4"))),
+            ("L1" | "L2" | "L3", _) => lamps::make(name, args).map(Some),
+            _ => Err(Error::usage(format!("there is no scene {name}: S1 to S4, L1 to L3"))),
         }
     }
 }
@@ -66,7 +67,10 @@ fn scene_under_sky(mesh: &Path, material: &str) -> String {
 }
 
 /// Writes a file in a folder that is made where it is missing; never half a file under its name.
-fn write(path: &Path, text: impl FnOnce(&mut BufWriter<std::fs::File>) -> std::io::Result<()>) -> Result<()> {
+pub fn write(
+    path: &Path,
+    text: impl FnOnce(&mut BufWriter<std::fs::File>) -> std::io::Result<()>,
+) -> Result<()> {
     let failed = |e: std::io::Error| Error::io("write", path, &e);
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(failed)?;
@@ -82,7 +86,7 @@ fn write(path: &Path, text: impl FnOnce(&mut BufWriter<std::fs::File>) -> std::i
 }
 
 /// A sphere with bumps of four sizes and about as many triangles, two metres high, as an OBJ with normals.
-fn bumpy_sphere(triangles: f64, out: &mut impl Write) -> std::io::Result<()> {
+pub fn bumpy_sphere(triangles: f64, out: &mut impl Write) -> std::io::Result<()> {
     let columns = triangles.sqrt().round().max(3.0) as u64;
     let rows = (triangles / (2.0 * columns as f64)).round().max(2.0) as u64;
     let point = |theta: f64, phi: f64| {
