@@ -120,8 +120,8 @@ impl<const N: usize, F: Fn(Vec3) -> [f32; N]> Kernel for OverVisibleNormals<F> {
                 let turn = (i.wrapping_mul(0x9e37_79b9) >> 8) as f32 * (1.0 / 16_777_216.0);
                 let u = [turn, (i as f32 + 0.5) / points];
                 let values = (self.f)(ggx::sample_visible_normal(self.wo, self.widths, u));
-                for k in 0..N {
-                    sums[k][lane] += values[k];
+                for (sums, value) in sums.iter_mut().zip(values) {
+                    sums[lane] += value;
                 }
             }
         }

@@ -105,10 +105,9 @@ impl Lanes {
     fn octants(&self, chunk: usize) -> [u32; LANES] {
         let rays = &self.rays[chunk];
         let mut octants = [0; LANES];
-        for lane in 0..LANES {
+        for (lane, octant) in octants.iter_mut().enumerate() {
             let negative = |d: f32| u32::from(d < 0.0);
-            octants[lane] =
-                negative(rays.dx[lane]) | negative(rays.dy[lane]) << 1 | negative(rays.dz[lane]) << 2;
+            *octant = negative(rays.dx[lane]) | negative(rays.dy[lane]) << 1 | negative(rays.dz[lane]) << 2;
         }
         octants
     }

@@ -134,9 +134,9 @@ impl Path {
         let mut radiance = Vec3s::ZERO;
         let mut arrives = [false; LANES];
         if B::is_small() {
-            for lane in 0..LANES {
+            for (lane, arrives) in arrives.iter_mut().enumerate() {
                 let (brought, some) = self.brought(batch, branch, lane, &lights.get(lane));
-                arrives[lane] = some;
+                *arrives = some;
                 radiance.set(lane, brought);
             }
         } else {
