@@ -59,14 +59,15 @@ fn c2_every_flag_refuses_nonsense_and_names_itself() {
         {
             let folder = folder();
             let word = format!("{flag}={value}");
+            println!("{word}");
             let ended = drt(folder.path(), &["s.toml", &word]);
             assert!(
                 !ended.err.contains("panicked") && !ended.err.contains("internal"),
                 "{word}: {}",
                 ended.err
             );
-            // Any name may be that of a file of statistics or of progress.
-            let is_name = ["--stats", "--checkpoint"].contains(&flag.as_str()) && !value.is_empty();
+            // Any name may be that of a file of statistics or of progress, or of a folder.
+            let is_name = ["--stats", "--checkpoint", "--cache"].contains(&flag.as_str()) && !value.is_empty();
             if MEANT.contains(&(flag.as_str(), value)) || is_name {
                 ended.expect(0, &[]);
             } else if flag == "--output" && !value.is_empty() {
