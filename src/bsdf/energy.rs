@@ -3,7 +3,7 @@
 //!
 //! Facets of width α seen at grazing incidence look alike where k = α·tan θ does (stretching a surface stretches its facets,
 //! Heitz 2014), so the tables' axis is 1/(1 + k): along it the loss is smooth and hardly depends on α, and few nodes do.
-//! Every number errs to the side on which a white surface in a white furnace stays at or below 1: [`CAUTION`].
+//! Every number errs to the side on which a white surface in a white furnace stays at or below 1: `CAUTION`.
 //!
 //! Tables are computed when a material first asks for them, some milliseconds each, and kept.
 

@@ -2,7 +2,7 @@
 
 use crate::math::Rgb;
 
-/// A number or colour of a material. [`super::Bsdf::set`] gives it a value; a model has some of them.
+/// A number or colour of a material. [`super::Scatter::set`] gives it a value; a model has some of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Parameter {
     /// Share of light sent back.

@@ -1,7 +1,7 @@
 //! A folder of meshes that were read before (`--cache DIR`).
 //!
 //! **Content-addressed.** An entry's name is the digest (BLAKE3) of the mesh file's bytes and of the reader's
-//! [`READER`] number. So it serves every copy of the file, and what was changed is never taken for what it was.
+//! `READER` number. So it serves every copy of the file, and what was changed is never taken for what it was.
 //!
 //! **Known files are not read again.** Beside the entries, a note a path keeps the digest that the file had together
 //! with its device, number, size, and times of change. Only where all of that is the same, and the file had not been

@@ -67,7 +67,8 @@ fn c2_every_flag_refuses_nonsense_and_names_itself() {
                 ended.err
             );
             // Any name may be that of a file of statistics or of progress, or of a folder.
-            let is_name = ["--stats", "--checkpoint", "--cache"].contains(&flag.as_str()) && !value.is_empty();
+            let is_name =
+                ["--stats", "--checkpoint", "--cache"].contains(&flag.as_str()) && !value.is_empty();
             if MEANT.contains(&(flag.as_str(), value)) || is_name {
                 ended.expect(0, &[]);
             } else if flag == "--output" && !value.is_empty() {
