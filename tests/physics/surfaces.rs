@@ -112,16 +112,29 @@ fn sheets_pass_their_share_of_diffuse_light() {
     });
 }
 
-/// What reflects or passes everything vanishes in a white furnace, however rough. Very rough glass errs to the dark side by
-/// less than a hundredth: its tables keep every furnace at or below 1.
+/// Tables keep every furnace at or below 1, and so err to the dark side; where they are coarsest by up to a hundredth.
+#[test]
+fn white_surfaces_vanish_or_are_a_little_dark() {
+    on_every_backend(|backend| {
+        for material in [
+            "type = \"dielectric\"\nior = 1.5\nroughness = 0.7",
+            "type = \"conductor\"\nreflectance = 1.0\nroughness = 0.6\nanisotropy = 0.8",
+        ] {
+            let found = ball(material, 64, backend, &[]).statistics();
+            assert!(found.error < 1e-3, "{material}: {found:?} says nothing");
+            let slack = 6.37 * found.error;
+            assert!((0.99 - slack..=1.0 + slack).contains(&found.mean), "{material}: {found:?}");
+        }
+    });
+}
+
+/// What reflects or passes everything vanishes in a white furnace.
 #[test]
 fn white_surfaces_vanish() {
     on_every_backend(|backend| {
         for (material, model) in [
             ("type = \"dielectric\"\nior = 1.5\nroughness = 0.3", 5e-3),
-            ("type = \"dielectric\"\nior = 1.5\nroughness = 0.7", 8e-3),
             ("type = \"dielectric\"\nior = 1.5\nroughness = 0.6\nthin = true", 5e-3),
-            ("type = \"conductor\"\nreflectance = 1.0\nroughness = 0.6\nanisotropy = 0.8", 5e-3),
             ("type = \"plastic\"\nreflectance = 1.0", 1e-4),
             ("type = \"plastic\"\nreflectance = 1.0\nroughness = 0.5\nnonlinear = true", 3e-3),
             ("type = \"oren-nayar\"\nreflectance = 1.0\nroughness = 1.0", 1e-4),
