@@ -25,6 +25,8 @@
 //! | who intersects, and who judges | [`accel`]: the trait, Embree, our BVH, the f64 judge |
 //! | which mesh formats there are | [`load`], `format.rs`: a format is a file and a row; packed files and standard input: `unpack.rs`, `input.rs` |
 //! | how OBJ, MTL and scene files are read | [`load`] |
+//! | which files an input may name | [`load::open`], `reach.rs` |
+//! | what is kept of meshes from run to run | [`load::cache`] |
 //! | how much memory there is, and what a picture needs | [`memory`], [`scene::need`] |
 //! | what is wrong with a mesh file | [`check`]: counts, topology, materials, findings |
 //! | what a picture file holds | [`output`], which sees only [`film::Image`] |

@@ -133,8 +133,7 @@ pub fn render_kept(
     keep: Option<&Keep<'_>>,
 ) -> Result<Rendering> {
     let max_depth = settings.max_depth;
-    let splits = settings.splits(scene);
-    let path = |max_depth| Path { max_depth, lights: settings.lights, roulette: settings.roulette, splits };
+    let path = |max_depth| Path { max_depth, lights: settings.lights, roulette: settings.roulette };
     let job = Picture { scene, settings, accel, isa: isa.unwrap_or(Isa::best()), hooks, keep };
     match settings.integrator {
         IntegratorKind::Path => job.render(&path(max_depth)),

@@ -50,8 +50,8 @@ use crate::math::Vec3;
 use crate::math::isa::Isa;
 use crate::shape::Mesh;
 pub use instances::Geometry;
+pub(crate) use rays::lanes_of;
 pub use rays::{Checked, Hit, Hits, LANES, LARGEST, MISS, Mask, Rays};
-pub(crate) use rays::{for_lanes, lanes_of};
 use std::sync::Arc;
 
 /// What is known about the rays of a chunk. Changes the speed, and at most the last bits of a hit.

@@ -8,14 +8,6 @@ pub const LANES: usize = 16;
 /// One bit a lane of a chunk, lane 0 the lowest.
 pub type Mask = u16;
 
-/// Calls `visit` for each of `lanes`, the lowest first.
-#[inline(always)]
-pub(crate) fn for_lanes(lanes: Mask, mut visit: impl FnMut(usize)) {
-    for lane in lanes_of(lanes) {
-        visit(lane);
-    }
-}
-
 /// Each of `lanes`, the lowest first. A loop over them has no closure, which a compiler may leave as a function of its own,
 /// compiled for the least of all machines.
 #[inline(always)]

@@ -5,7 +5,7 @@
 
 use super::wave::{BatchSink, PathSink};
 use super::{Arrival, Facing, Vertex};
-use crate::accel::{LANES, Mask, for_lanes};
+use crate::accel::{LANES, Mask, lanes_of};
 use crate::bsdf::View;
 use crate::math::{Frame, Vec3s};
 use crate::sampler::Keys;
@@ -96,8 +96,8 @@ impl<B> Batch<B> {
     /// Visits the vertices one by one.
     #[inline(always)]
     pub fn each(&self, out: &mut BatchSink<'_>, mut visit: impl FnMut(&Vertex, &B, &mut PathSink<'_>)) {
-        for_lanes(self.lanes, |lane| {
+        for lane in lanes_of(self.lanes) {
             visit(&self.vertex(lane), &self.bsdf[lane], &mut out.path(self.slot[lane]))
-        });
+        }
     }
 }

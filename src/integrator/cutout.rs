@@ -4,7 +4,7 @@
 //! such materials come here.
 
 use super::{Context, Dimensions};
-use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, Rays, for_lanes};
+use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, Rays, lanes_of};
 use crate::light::sphere;
 use crate::math::ray::leave;
 use crate::sampler::{Key, scatter};
@@ -69,23 +69,29 @@ pub(super) fn pass(
     let mut traced = 0;
     for _ in 0..MOST_HOLES {
         let mut passing: Mask = 0;
-        for_lanes(active, |lane| {
+        for lane in lanes_of(active) {
             let goes_on = opacity(cx, hits, lane).is_some_and(|opacity| !stays(lane, hits, opacity));
             passing |= Mask::from(goes_on) << lane;
-        });
+        }
         if passing == 0 {
             break;
         }
         let onward = onward.get_or_insert_with(|| Onward::new(start.rays()));
-        for_lanes(passing, |lane| onward.step(cx, start, hits, lane));
+        for lane in lanes_of(passing) {
+            onward.step(cx, start, hits, lane);
+        }
         let rays = onward.rays.check(passing).at(start.times());
         traced += u64::from(rays.active().count_ones());
-        for_lanes(passing, |lane| hits.mesh[lane] = MISS);
+        for lane in lanes_of(passing) {
+            hits.mesh[lane] = MISS;
+        }
         accel.closest(rays, Coherence::Incoherent, hits);
         if !cx.lights.spheres.is_empty() {
             sphere::closest(&cx.lights.spheres, rays, hits);
         }
-        for_lanes(passing, |lane| hits.t[lane] += onward.gone[lane]);
+        for lane in lanes_of(passing) {
+            hits.t[lane] += onward.gone[lane];
+        }
         active = rays.active();
     }
     traced
@@ -108,20 +114,24 @@ pub(super) fn transmittance(
         traced += u64::from(rays.active().count_ones());
         accel.closest(rays, Coherence::Incoherent, &mut hits);
         let mut passing: Mask = 0;
-        for_lanes(active, |lane| {
+        for lane in lanes_of(active) {
             if hits.mesh[lane] == MISS {
-                return;
+                continue;
             }
             share[lane] *= 1.0 - opacity(cx, &hits, lane).unwrap_or(1.0);
             passing |= Mask::from(share[lane] > 0.0) << lane;
-        });
+        }
         if passing == 0 {
             return (share, traced);
         }
-        for_lanes(passing, |lane| onward.step(cx, start, &hits, lane));
+        for lane in lanes_of(passing) {
+            onward.step(cx, start, &hits, lane);
+        }
         active = passing;
     }
-    for_lanes(active, |lane| share[lane] = 0.0);
+    for lane in lanes_of(active) {
+        share[lane] = 0.0;
+    }
     (share, traced)
 }
 

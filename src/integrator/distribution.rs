@@ -73,7 +73,7 @@ impl Distribution {
 }
 
 impl Integrator for Distribution {
-    fn fan_out(&self, depth: u32) -> u32 {
+    fn fan_out(&self, _cx: &Context<'_>, depth: u32) -> u32 {
         // Both sides of a surface that light passes, and a ray to every light or along every delta.
         2 * self.fan(depth).count() + 2
     }

@@ -152,7 +152,7 @@ pub trait Integrator: Sync {
 
     /// Rays that a vertex after `depth` scattering events pushes at most, of each kind. Waves are cut into pieces
     /// by it, so that branching does not fill the memory.
-    fn fan_out(&self, _depth: u32) -> u32 {
+    fn fan_out(&self, _cx: &Context<'_>, _depth: u32) -> u32 {
         1
     }
 

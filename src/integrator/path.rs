@@ -21,12 +21,6 @@ pub struct Path {
     pub lights: LightSampling,
     /// End dim paths at random, unbiased.
     pub roulette: bool,
-    /// Into how many paths a sample splits where it meets a surface, unless that is a mirror or clear glass.
-    ///
-    /// A camera ray and what it hits are then paid once for several paths (Arvo and Kirk 1990), whose numbers come from one
-    /// well-distributed set: on the Cornell box two paths take 57 % of the error away and cost 80 % more time. What a sample
-    /// decides before it splits (pixel, lens, time) gains nothing.
-    pub splits: u32,
 }
 
 /// Roulette keeps a path with probability min(1, 2.5·throughput): dim paths go on long enough not to turn
@@ -52,8 +46,8 @@ struct Branch {
 impl Integrator for Path {
     const BY_MODEL: bool = true;
 
-    fn fan_out(&self, depth: u32) -> u32 {
-        if depth == 0 { self.splits } else { 1 }
+    fn fan_out(&self, cx: &Context<'_>, depth: u32) -> u32 {
+        if depth == 0 { cx.splits } else { 1 }
     }
 
     #[inline(always)]
@@ -68,8 +62,8 @@ impl Integrator for Path {
         let alive =
             batch.lanes & lanes_where::<LANES>(|lane| cx.scatters(batch.material[lane], batch.outside[lane]));
         let rough = alive & !lanes_where::<LANES>(|lane| batch.bsdf[lane].is_delta());
-        let split = if self.fan_out(batch.depth) > 1 { rough } else { 0 };
-        let last = if split != 0 { self.splits } else { 0 };
+        let split = if self.fan_out(cx, batch.depth) > 1 { rough } else { 0 };
+        let last = if split != 0 { cx.splits } else { 0 };
         let (lit, normals) = (0, [Receiver::ALL_AROUND; LANES]);
         let mut branch = Branch { keys: batch.keys, numbers: batch.branch, share: 1.0, lit, normals };
         // One loop and one place for each call: all of it is compiled into this function, once a BSDF.
@@ -107,7 +101,7 @@ impl Path {
         for lane in 0..LANES {
             branch.keys.set(lane, cx.branched(batch.keys.get(lane), number));
         }
-        (branch.numbers, branch.share) = ([number; LANES], 1.0 / self.splits as f32);
+        (branch.numbers, branch.share) = ([number; LANES], 1.0 / cx.splits as f32);
     }
 
     /// Next-event estimation at the lanes `rough`: a light sample each.
@@ -190,7 +184,7 @@ impl Path {
         alive &= mask(&goes_on);
         if self.roulette && batch.depth + 1 >= ROULETTE_FROM {
             let numbers = cx.sampler.d1_of(&branch.keys, dimensions.roulette);
-            alive &= self.roulette(&numbers, &branch.numbers, &mut next.beta);
+            alive &= roulette(cx.splits, &numbers, &branch.numbers, &mut next.beta);
         }
         let last = batch.depth + 1 == self.max_depth && !cx.has_moving_lamps;
         for lane in lanes_of(alive) {
@@ -204,20 +198,20 @@ impl Path {
         }
         out.extend(alive, &next);
     }
+}
 
-    /// Ends dim paths at random, and makes up for it in the others' throughput. The lanes that go on.
-    #[inline(always)]
-    fn roulette(&self, numbers: &[f32; LANES], branches: &[u32; LANES], beta: &mut Vec3s<LANES>) -> Mask {
-        let mut kept = [false; LANES];
-        for lane in 0..LANES {
-            let b = beta.get(lane);
-            // A branch's throughput holds its share of the sample.
-            let whole = if branches[lane] == 0 { 1.0 } else { self.splits as f32 };
-            let keep = SOFTNESS * whole * b.max_element();
-            beta.set(lane, if keep < 1.0 { b / keep } else { b });
-            let ends = numbers[lane] >= keep; // never when `keep` is no number: that sample will be counted
-            kept[lane] = !ends;
-        }
-        mask(&kept)
+/// Ends dim paths at random, and makes up for it in the others' throughput. The lanes that go on.
+#[inline(always)]
+fn roulette(splits: u32, numbers: &[f32; LANES], branches: &[u32; LANES], beta: &mut Vec3s<LANES>) -> Mask {
+    let mut kept = [false; LANES];
+    for lane in 0..LANES {
+        let b = beta.get(lane);
+        // A branch's throughput holds its share of the sample.
+        let whole = if branches[lane] == 0 { 1.0 } else { splits as f32 };
+        let keep = SOFTNESS * whole * b.max_element();
+        beta.set(lane, if keep < 1.0 { b / keep } else { b });
+        let ends = numbers[lane] >= keep; // never when `keep` is no number: that sample will be counted
+        kept[lane] = !ends;
     }
+    mask(&kept)
 }

@@ -81,7 +81,7 @@ impl Wave {
         let mut clock = Instant::now();
         self.start(job);
         self.stats.rest_seconds += lap(&mut clock);
-        let mut piece = self.next_piece(job.integrator, 0);
+        let mut piece = self.next_piece(job, 0);
         while let Some(depth) = piece {
             if (job.stop)() {
                 self.give_up();
@@ -94,7 +94,7 @@ impl Wave {
             self.stats.shade_seconds += lap(&mut clock);
             self.connect(job);
             self.stats.intersect_seconds += lap(&mut clock);
-            piece = self.next_piece(job.integrator, depth + 1);
+            piece = self.next_piece(job, depth + 1);
         }
         self.finish(job, tile);
         self.stats.rest_seconds += lap(&mut clock);
@@ -111,7 +111,7 @@ impl Wave {
     /// Makes the next rays to trace the current ones: what was pushed for `depth`, or else what waits. Says how
     /// deep they are.
     #[inline(always)]
-    fn next_piece(&mut self, integrator: &impl Integrator, mut depth: u32) -> Option<u32> {
+    fn next_piece<I: Integrator>(&mut self, job: &Job<'_, I>, mut depth: u32) -> Option<u32> {
         std::mem::swap(&mut self.current, &mut self.pushed.next);
         self.pushed.next.len = 0;
         if self.current.len == 0 {
@@ -119,7 +119,7 @@ impl Wave {
             self.spare.push(std::mem::replace(&mut self.current, lanes));
             depth = of;
         }
-        let fan_out = integrator.fan_out(depth) as usize;
+        let fan_out = job.integrator.fan_out(job.cx, depth) as usize;
         let most = (PIECE / fan_out).max(LANES);
         if fan_out > 1 && self.current.len > most {
             let mut rest = self.spare.pop().unwrap_or_default();

@@ -67,10 +67,11 @@ impl LightBounds {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn axis(i: u32) -> Vec3 {
+    /// Directions all around; the same each time.
+    pub fn axis(i: u32) -> Vec3 {
         let f = |k: u32| {
             ((i.wrapping_mul(0x9e37_79b9).wrapping_add(k.wrapping_mul(0x85eb_ca6b)) >> 8) % 2001) as f32
         };

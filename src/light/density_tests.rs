@@ -5,7 +5,7 @@ use super::bounds::{Cone, LightBounds};
 use super::distant::{Distant, Distants};
 use super::panorama::Panorama;
 use super::patch::Patch;
-use super::tree::LightTree;
+use super::tree::{LightTree, tests::lamps};
 use super::{Directional, Environment, Light, Receiver, Sampled, Sphere, Sun};
 use crate::math::chi_square::{judge, random};
 use crate::math::{Aabb, Frame, Rgb, Vec3};
@@ -186,19 +186,7 @@ fn rectangles_and_triangles() {
 /// The tree's choices among lamps of all strengths, sizes and directions.
 #[test]
 fn choices_of_the_light_tree() {
-    let number = |i: u32, k: u32| random(i * 7 + k).1;
-    let lamps: Vec<LightBounds> = (0..300)
-        .map(|i| {
-            let p = 10.0 * Vec3::new(number(i, 1), number(i, 2), number(i, 3));
-            let axis = (Vec3::new(number(i, 4), number(i, 5), number(i, 6)) - 0.5).normalize();
-            LightBounds {
-                bounds: Aabb::EMPTY.grow(p).grow(p + 0.1),
-                cone: Cone { axis, cos_normals: 1.0, cos_light: 0.0 },
-                two_sided: i % 3 == 0,
-                strength: number(i, 7).powi(3),
-            }
-        })
-        .collect();
+    let lamps = lamps(300);
     let tree = LightTree::new(&lamps);
     for (p, normal) in [
         (Vec3::splat(5.0), Receiver::ALL_AROUND),

@@ -179,14 +179,8 @@ fn sin_minus(cos_a: f32, sin_a: f32, cos_b: f32, sin_b: f32) -> f32 {
 mod tests {
     use super::*;
     use crate::light::bounds::Cone;
+    use crate::light::bounds::tests::axis;
     use crate::math::Aabb;
-
-    fn axis(i: u32) -> Vec3 {
-        let f = |k: u32| {
-            ((i.wrapping_mul(0x9e37_79b9).wrapping_add(k.wrapping_mul(0x85eb_ca6b)) >> 8) % 2001) as f32
-        };
-        Vec3::new(f(1) - 1000.0, f(2) - 1000.0, f(3) - 1000.5).normalize()
-    }
 
     /// A group is never weighed 0 where one of its members would not be.
     #[test]

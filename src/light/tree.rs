@@ -104,12 +104,13 @@ impl Node {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::light::bounds::Cone;
     use crate::math::{Aabb, Vec3};
 
-    fn lamps(n: u32) -> Vec<LightBounds> {
+    /// Lamps of all strengths and directions; the same each time.
+    pub fn lamps(n: u32) -> Vec<LightBounds> {
         let f = |i: u32, k: u32| {
             let x = i.wrapping_mul(0x9e37_79b9) ^ k.wrapping_mul(0x85eb_ca6b);
             (x.wrapping_mul(0x2c1b_3c6d) >> 9) as f32 / (1 << 23) as f32
@@ -189,6 +190,10 @@ mod tests {
         let one_place = vec![lamps(1)[0]; 5000];
         let tree = LightTree::new(&one_place);
         assert!(tree.sample(&receivers()[0], 0.999_999).is_some());
+        // So strong in one point that their sum is infinite, and that times their extent no number.
+        let point = LightBounds { bounds: Aabb::EMPTY.grow(Vec3::ONE), strength: f32::MAX, ..lamps(1)[0] };
+        let tree = LightTree::new(&[point; 20]);
+        assert!((0..20).all(|i| tree.probability(i, &receivers()[0]).is_finite()));
         // Each twice as far as the one before: every split takes one off.
         let mut far = lamps(120);
         for (i, light) in far.iter_mut().enumerate() {

@@ -13,7 +13,7 @@ use super::node::{enlarge, max, min};
 use super::ray::Prepared;
 use super::tree::{Found, Place, Tree, rank};
 use super::triangle::Block;
-use crate::accel::{LANES, Mask, Rays, for_lanes};
+use crate::accel::{LANES, Mask, Rays, lanes_of};
 use crate::math::Aabb;
 use crate::math::isa::{Set, fused};
 use std::ops::Range;
@@ -98,11 +98,11 @@ impl Few {
         if again == 0 {
             return (found, meetings);
         }
-        for_lanes(again, |i| {
+        for i in lanes_of(again) {
             let place = tree.closest_of_all::<S>(rays, i);
             found.hit = found.hit & !(1 << i) | (place.is_some() as Mask) << i;
             found.place[i] = place.unwrap_or_default();
-        });
+        }
         let meetings = Meetings::of::<S>(tree, &found.place, rays);
         (found, meetings)
     }
@@ -112,9 +112,9 @@ impl Few {
     pub fn occluded<S: Set>(&self, tree: &Tree<'_>, source: &Rays, rays: &Prepared) -> Mask {
         let (sure, maybe) = self.any::<S>(source, rays);
         let mut hit = sure & rays.live;
-        for_lanes(maybe & !sure & rays.live, |i| {
+        for i in lanes_of(maybe & !sure & rays.live) {
             hit |= (tree.closest_of_all::<S>(rays, i).is_some() as Mask) << i
-        });
+        }
         hit
     }
 

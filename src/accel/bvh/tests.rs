@@ -12,7 +12,7 @@ use super::split::PARALLEL;
 use super::traverse::{MAX_DEPTH, Stacks};
 use super::tree::{Found, Place, Tree, rank};
 use super::{Bvh, build, build::Built};
-use crate::accel::{BuildOptions, Intersector, LANES, Mask, Quality, Rays, for_lanes};
+use crate::accel::{BuildOptions, Intersector, LANES, Mask, Quality, Rays, lanes_of};
 use crate::math::Vec3;
 use crate::math::isa::{self, Isa, Kernel, Set};
 use crate::shape::Mesh;

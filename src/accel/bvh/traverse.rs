@@ -9,7 +9,7 @@ use super::node::{Child, Node, WIDTH};
 use super::ray::Prepared;
 use super::tree::{Found, Place, Tree, rank};
 use super::triangle::BLOCK;
-use crate::accel::{LANES, Mask, for_lanes};
+use crate::accel::{LANES, Mask, lanes_of};
 use crate::math::isa::Set;
 use std::marker::PhantomData;
 
@@ -100,11 +100,11 @@ fn walk_all(
     }
     let mut walks = [start(0); LANES];
     let (mut lanes, mut len) = ([0u8; LANES], 0);
-    for_lanes(live, |i| {
+    for i in lanes_of(live) {
         walks[i] = start(i);
         lanes[len % LANES] = i as u8;
         len += 1;
-    });
+    }
     while len > 0 {
         let mut turn = 0;
         while turn < len {

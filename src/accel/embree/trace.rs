@@ -22,7 +22,7 @@
 use super::device::Device;
 use super::doubt::Areas;
 use super::scene::Scene;
-use crate::accel::{Checked, Coherence, Hits, LANES, MISS, Mask, Rays, for_lanes};
+use crate::accel::{Checked, Coherence, Hits, LANES, MISS, Mask, Rays, lanes_of};
 use embree_sys as sys;
 
 /// How many rays Embree traces at once on this device.
@@ -111,7 +111,11 @@ pub(super) fn closest_by(way: Way, scene: &Scene, width: Width, rays: Checked<'_
     let mut areas = [0.0; LANES];
     let to = &mut (hits, &mut areas);
     match width {
-        _ if way == Way::Single => for_lanes(active, |lane| closest_one(scene, rays, lane, to)),
+        _ if way == Way::Single => {
+            for lane in lanes_of(active) {
+                closest_one(scene, rays, lane, to);
+            }
+        }
         Width::Sixteen => closest16(scene, rays, active, 0, coherent, to),
         Width::Eight => for_parts::<8>(active, |at| closest8(scene, rays, active, at, coherent, to)),
         Width::Four => for_parts::<4>(active, |at| closest4(scene, rays, active, at, coherent, to)),
@@ -125,7 +129,11 @@ pub(super) fn occluded_by(way: Way, scene: &Scene, width: Width, rays: Checked<'
     let (rays, active, coherent) = (rays.rays(), rays.active(), way == Way::CoherentPacket);
     let mut hit = 0;
     match width {
-        _ if way == Way::Single => for_lanes(active, |lane| hit |= occluded_one(scene, rays, lane)),
+        _ if way == Way::Single => {
+            for lane in lanes_of(active) {
+                hit |= occluded_one(scene, rays, lane);
+            }
+        }
         Width::Sixteen => hit = occluded16(scene, rays, active, 0, coherent),
         Width::Eight => for_parts::<8>(active, |at| hit |= occluded8(scene, rays, active, at, coherent)),
         Width::Four => for_parts::<4>(active, |at| hit |= occluded4(scene, rays, active, at, coherent)),

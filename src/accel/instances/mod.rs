@@ -14,7 +14,7 @@ mod bounds;
 mod tree;
 
 use super::{
-    Backend, BuildOptions, Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, Rays, for_lanes,
+    Backend, BuildOptions, Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, Rays, lanes_of,
 };
 use crate::error::{Error, Result};
 use crate::math::Aabb;
@@ -100,7 +100,7 @@ impl TwoLevel {
     /// The rays `lanes` in the coordinates of the mesh of instance `i`, ending at `far`.
     fn in_mesh(&self, i: usize, rays: Checked<'_>, lanes: Mask, far: &[f32; LANES]) -> Rays {
         let mut own = Rays::default();
-        for_lanes(lanes, |lane| {
+        for lane in lanes_of(lanes) {
             let moved;
             let into = match &self.ways[i] {
                 Way::Rest(into) => into,
@@ -114,7 +114,7 @@ impl TwoLevel {
             let (o, d) = (rays.rays().o(lane).as_dvec3(), rays.rays().d(lane).as_dvec3());
             let (o, d) = (into.transform_point3(o).as_vec3(), into.transform_vector3(d).as_vec3());
             own.set(lane, o, d, rays.rays().tmin[lane], far[lane]);
-        });
+        }
         own
     }
 }
@@ -123,10 +123,12 @@ impl Intersector for TwoLevel {
     fn closest(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
         match &self.rest {
             Some(rest) => rest.closest(rays, coherence, hits),
-            None => for_lanes(rays.active(), |lane| {
-                (hits.t[lane], hits.u[lane], hits.v[lane]) = (f32::INFINITY, 0.0, 0.0);
-                (hits.mesh[lane], hits.triangle[lane]) = (MISS, MISS);
-            }),
+            None => {
+                for lane in lanes_of(rays.active()) {
+                    (hits.t[lane], hits.u[lane], hits.v[lane]) = (f32::INFINITY, 0.0, 0.0);
+                    (hits.mesh[lane], hits.triangle[lane]) = (MISS, MISS);
+                }
+            }
         }
         isa::run(self.isa, Closest { two: self, rays, coherence, hits });
     }
@@ -170,11 +172,11 @@ impl Kernel for Closest<'_> {
     fn run<S: Set>(self) {
         let Closest { two, rays, coherence, hits } = self;
         let mut lanes = Lanes::new(rays);
-        for_lanes(rays.active(), |lane| {
+        for lane in lanes_of(rays.active()) {
             if hits.mesh[lane] != MISS {
                 lanes.far[lane] = hits.t[lane];
             }
-        });
+        }
         let mut found = Hits::default();
         two.tree.visit(&mut lanes, rays.active(), |lanes, i, inside| {
             let own = two.in_mesh(i, rays, inside, &lanes.far);
@@ -183,7 +185,7 @@ impl Kernel for Closest<'_> {
             found.mesh = [MISS; LANES];
             two.meshes[mesh].closest(checked, coherence, &mut found);
             let id = two.first + i as u32;
-            for_lanes(checked.active(), |lane| {
+            for lane in lanes_of(checked.active()) {
                 let t = found.t[lane];
                 let is_nearer = t < lanes.far[lane] || (t == lanes.far[lane] && id < hits.mesh[lane]);
                 if found.mesh[lane] != MISS && is_nearer {
@@ -191,7 +193,7 @@ impl Kernel for Closest<'_> {
                     (hits.mesh[lane], hits.triangle[lane]) = (id, found.triangle[lane]);
                     lanes.far[lane] = t;
                 }
-            });
+            }
             0
         });
     }

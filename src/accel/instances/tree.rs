@@ -1,7 +1,7 @@
 //! The upper tree: two children a node, one instance a leaf, sixteen rays at a time.
 
 use super::bounds::MARGIN;
-use crate::accel::{Checked, LANES, Mask, for_lanes};
+use crate::accel::{Checked, LANES, Mask, lanes_of};
 use crate::math::{Aabb, Vec3};
 
 /// In a child's index: it is an instance.
@@ -231,7 +231,9 @@ impl<'a> Lanes<'a> {
         }
         let lanes = inside & active;
         let mut nearest = f32::INFINITY;
-        for_lanes(lanes, |i| nearest = nearest.min(near[i]));
+        for i in lanes_of(lanes) {
+            nearest = nearest.min(near[i]);
+        }
         Entered { lanes, nearest }
     }
 }

@@ -56,7 +56,8 @@ fn merged(pairs: &[Pair], source: u32) -> Vec<u32> {
     while groups.len() < WIDTH {
         let vague = |group: u32| {
             let Pair { bounds, child } = &pairs[group as usize];
-            if child & LEAF != 0 { -1.0 } else { bounds.strength * size(&bounds.bounds) }
+            // Infinite strength in one point is no number, and must be taken apart like the others.
+            if child & LEAF != 0 { -1.0 } else { (bounds.strength * size(&bounds.bounds)).max(0.0) }
         };
         let (mut worst, mut most) = (0, -1.0);
         for (i, &group) in groups.iter().enumerate() {

@@ -154,7 +154,9 @@ fn nothing_to_prepare() {
     assert_eq!(Prepared::new(&rays, Mask::MAX).live, 1 << 3);
     assert_eq!(Prepared::new(&rays, !(1 << 3)).live, 0);
     let mut seen = Vec::new();
-    for_lanes(0b1001_0000_0000_0010, |i| seen.push(i));
+    for i in lanes_of(0b1001_0000_0000_0010) {
+        seen.push(i);
+    }
     assert_eq!(seen, [1, 12, 15]);
     assert_eq!((Place::new(5, 3).block(), Place::new(5, 3).lane()), (5, 3));
 }
