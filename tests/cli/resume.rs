@@ -129,20 +129,27 @@ fn wait_at_most(child: &mut std::process::Child, time: std::time::Duration) {
 fn d5_a_stopped_crop_goes_on_with_other_threads() {
     let folder = folder();
     let dir = folder.path();
-    let job = words(&[&["s.toml", "--crop", "3,5,30,17", "--spp", "40"], &PICTURE, &OUTPUTS]);
+    let job = words(&[&["s.toml", "--crop", "3,5,30,17", "--spp", "4000"], &PICTURE, &OUTPUTS]);
     drt(dir, &job).expect(0, &[]);
     let whole = take(dir);
+    let mut stops = 0;
     for threads in ["1", "2", "8"] {
         let mut command = Command::new(assert_cmd::cargo::cargo_bin("drt"));
         let kept = ["--resume", "--threads", threads, "--progress", "json"];
         let mut child =
             command.args(&job).args(kept).current_dir(dir).stderr(Stdio::piped()).spawn().unwrap();
         let mut err = std::io::BufReader::new(child.stderr.take().unwrap());
-        super::rows_output::wait_for(&mut err, "render");
-        super::rows_output::send(&child, rustix::process::Signal::INT);
+        // What is left may be nothing: a busy machine delivers the signal late.
+        if super::rows_output::said_until(&mut err, "render").1 {
+            super::rows_output::send(&child, rustix::process::Signal::INT);
+        }
         let _ = std::io::copy(&mut err, &mut std::io::sink());
-        assert!(matches!(child.wait().unwrap().code(), Some(0 | 130)));
+        match child.wait().unwrap().code() {
+            Some(130) => stops += 1,
+            code => assert_eq!(code, Some(0)),
+        }
     }
+    assert!(stops > 0, "no run was stopped");
     drt(dir, &words(&[&job, &["--resume"]])).expect(0, &[]);
     assert!(take(dir) == whole);
     // The default name, and the picture stays extensible.

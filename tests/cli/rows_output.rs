@@ -106,12 +106,23 @@ pub fn send(child: &Child, signal: rustix::process::Signal) {
 }
 
 /// Reads what the program says until it has begun `phase`.
-pub fn wait_for(err: &mut impl BufRead, phase: &str) -> String {
-    let mut said = String::new();
-    while !said.contains(&format!("\"phase\":\"{phase}\"")) {
-        assert!(err.read_line(&mut said).unwrap() > 0, "{said}");
-    }
+fn wait_for(err: &mut impl BufRead, phase: &str) -> String {
+    let (said, begun) = said_until(err, phase);
+    assert!(begun, "{said}");
     said
+}
+
+/// What the program says until it has begun `phase`, and whether it came so far at all.
+pub fn said_until(err: &mut impl BufRead, phase: &str) -> (String, bool) {
+    let mut said = String::new();
+    loop {
+        if said.contains(&format!("\"phase\":\"{phase}\"")) {
+            return (said, true);
+        }
+        if err.read_line(&mut said).unwrap() == 0 {
+            return (said, false);
+        }
+    }
 }
 
 /// A mesh large enough that loading and building take a while.
