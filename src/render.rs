@@ -25,8 +25,15 @@ use picture::Picture;
 pub enum Progress {
     /// Building the acceleration structure: share done, 0 to 1.
     Build(f64),
-    /// Rendering: (pixel samples done, of how many).
-    Render(u64, u64),
+    /// Rendering.
+    Render {
+        /// Pixel samples done.
+        done: u64,
+        /// Pixel samples to do.
+        total: u64,
+        /// Share of the work done, 0 to 1; samples cost more or less.
+        share: f64,
+    },
 }
 
 /// What the caller hears and says while work goes on. Called from several threads.

@@ -4,7 +4,8 @@
 //!
 //! S1 is the Cornell box, S2 a scanned dragon on a plane under a white sky, S3 the same with a bumpy sphere of five
 //! million triangles, S4 the dragon as rough metal. L1 to L3, when they are asked for, have many or small lights: a picture
-//! of a sky with its sun, 1,000 lamps, 100,000 lamps. For each: CPU seconds of loading, building and rendering; samples
+//! of a sky with its sun, 1,000 lamps, 100,000 lamps. U1 to U4 are of other kinds: metal on metal, two lamps of very
+//! different size, a scan of 3.5 million triangles, a room lit through a small opening. For each: CPU seconds of loading, building and rendering; samples
 //! and rays a second; the share of time inside the intersector; what the same rays cost when they are only replayed,
 //! below which no render can get; the error against a long run with another seed, or a given picture; the efficiency
 //! 1/(relMSE·s); bytes a triangle. `docs/performance.md` says how to read the figures, and `peers.py` beside this file
@@ -13,6 +14,7 @@
 mod lamps;
 mod measure;
 mod scenes;
+mod various;
 
 use clap::Parser;
 use drt::error::{Error, Result};

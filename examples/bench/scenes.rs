@@ -1,6 +1,6 @@
 //! The four scenes, made from public parts.
 
-use crate::{Args, lamps};
+use crate::{Args, lamps, various};
 use drt::error::{Error, Result};
 use std::f64::consts::{PI, TAU};
 use std::io::{BufWriter, Write};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// A scene to measure.
 #[derive(Clone, Debug)]
 pub struct Bench {
-    /// S1 to S4, L1 to L3.
+    /// S1 to S4, L1 to L3, U1 to U4.
     pub name: &'static str,
     /// The scene file.
     pub file: PathBuf,
@@ -47,7 +47,8 @@ impl Bench {
             ("S4", Some(dragon)) => under_sky("S4", dragon, METAL),
             ("S2" | "S4", None) => Ok(None),
             ("L1" | "L2" | "L3", _) => lamps::make(name, args).map(Some),
-            _ => Err(Error::usage(format!("there is no scene {name}: S1 to S4, L1 to L3"))),
+            ("U1" | "U2" | "U3" | "U4", _) => various::make(name, args),
+            _ => Err(Error::usage(format!("there is no scene {name}: S1 to S4, L1 to L3, U1 to U4"))),
         }
     }
 }
@@ -56,7 +57,7 @@ const DIFFUSE: &str = "type = \"diffuse\"\nreflectance = 0.7";
 const METAL: &str = "type = \"conductor\"\nreflectance = 0.7\nalpha = 0.2\ncompensate = false";
 
 /// A mesh two metres long on a large plane under a white sky.
-fn scene_under_sky(mesh: &Path, material: &str) -> String {
+pub fn scene_under_sky(mesh: &Path, material: &str) -> String {
     format!(
         "[camera]\nposition = [0.0, 1.6, 4.2]\nlook_at = [0.0, 0.65, 0.0]\nfov = 36.0\n\
          [[mesh]]\nfile = {mesh:?}\nmaterial = \"body\"\n\

@@ -17,7 +17,7 @@ fn film(samples: [u32; 2], spp: u32) -> Film {
             for pixel in (0..64).filter(|p| i == 0 || p % 8 < 5) {
                 for index in block.start..block.end.min(samples) {
                     let value = f64::from(index * 7 + pixel) / 3.0;
-                    tile.add(pixel as usize, crate::math::DVec3::splat(value), 1.0);
+                    tile.add(pixel as usize, crate::math::DVec3::splat(value), 1.0, true);
                 }
             }
             done = block.end;

@@ -60,7 +60,15 @@ impl Phase {
 
     /// `done` of `total`; `unit` names what is counted.
     pub fn show(&self, done: u64, total: u64) {
-        let share = if total > 0 { (done as f64 / total as f64).clamp(0.0, 1.0) } else { 0.0 };
+        self.show_work(
+            if total > 0 { (done as f64 / total as f64).clamp(0.0, 1.0) } else { 0.0 },
+            done,
+            total,
+        );
+    }
+
+    /// `done` of `total`, which are a `share` of the work.
+    pub fn show_work(&self, share: f64, done: u64, total: u64) {
         if let Some(bar) = &self.bar {
             bar.set_position((share * STEPS as f64) as u64);
             return;

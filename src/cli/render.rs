@@ -154,9 +154,9 @@ impl Job {
         signals.nothing_to_lose("rendering");
         let phase = Phase::begin(self.style, "render");
         let progress = |p| {
-            if let Progress::Render(done, total) = p {
+            if let Progress::Render { done, total, share } = p {
                 signals.something_to_lose();
-                phase.show(done, total)
+                phase.show_work(share, done, total)
             }
         };
         let hooks = Hooks { progress: &progress, stop: &|| signals.stop() };

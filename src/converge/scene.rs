@@ -49,8 +49,8 @@ impl<'a> Stage<'a> {
         let mut settings = Settings { seed, aovs: Vec::new(), ..self.settings.clone() };
         set(&mut settings, n);
         let progress = |p| {
-            if let Progress::Render(done, total) = p {
-                (hooks.progress)(done as f64 / total as f64)
+            if let Progress::Render { share, .. } = p {
+                (hooks.progress)(share)
             }
         };
         let hooks = render::Hooks { progress: &progress, stop: hooks.stop };

@@ -80,11 +80,11 @@ struct Pixel {
 }
 
 impl Pixel {
-    /// What samples are divided by: their number; under a filter with negative lobes the sum of their weights,
-    /// which keeps a constant picture exact, unless too few samples make that sum small.
-    fn divisor(&self, signed: bool) -> f64 {
-        let samples = f64::from(self.samples);
-        if signed && self.weight > 0.25 * samples { self.weight } else { samples }
+    /// What samples are divided by: what they count together, by `total`; under a filter with negative lobes the sum of their
+    /// weights, which keeps a constant picture exact, unless too few samples make that sum small.
+    fn divisor(&self, signed: bool, total: &dyn Fn(u32) -> f64) -> f64 {
+        let total = total(self.samples);
+        if signed && self.weight > 0.25 * total { self.weight } else { total }
     }
 }
 
@@ -130,17 +130,18 @@ impl Tile {
         self.layers.clone_from(&other.layers);
     }
 
-    /// Adds a sample's radiance with the filter's weight (mean 1) to the pixel of that index in the tile
-    /// (row by row).
+    /// Adds a sample's radiance with its weight (the filter's, of mean 1, times what the sample counts) to the pixel of that
+    /// index in the tile (row by row). Unless it is `new`, the sample is there already, and this is the light of further
+    /// paths.
     #[inline]
-    pub fn add(&mut self, pixel: usize, radiance: DVec3, weight: f32) {
+    pub fn add(&mut self, pixel: usize, radiance: DVec3, weight: f32, new: bool) {
         let p = &mut self.pixels[pixel];
         let weight = f64::from(weight);
         p.radiance[0] += radiance.x * weight;
         p.radiance[1] += radiance.y * weight;
         p.radiance[2] += radiance.z * weight;
         p.weight += weight;
-        p.samples += 1;
+        p.samples += u32::from(new);
     }
 
     /// Adds the first hit of sample `index`; does nothing when no layer was asked for.
@@ -160,7 +161,7 @@ impl Tile {
 }
 
 /// What a picture is developed with.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Develop<'a> {
     /// The part that is wanted: x, y, width, height.
     pub crop: [u32; 4],
@@ -170,6 +171,8 @@ pub struct Develop<'a> {
     pub origin: DVec3,
     /// What the colours are multiplied by: 1 for radiance, the pixel's area |Δi·Δj| for the flux of eq. (6).
     pub area: f64,
+    /// What the first so many samples of a pixel count together.
+    pub total: &'a dyn Fn(u32) -> f64,
     /// The `drt` attribute.
     pub settings: String,
 }
@@ -281,7 +284,7 @@ impl Film {
         let crop = how.crop;
         let colours = self.collect(crop, |tile, i| {
             let p = &tile.pixels[i];
-            let mean = |sum: f64| (sum / p.divisor(self.signed)) as f32;
+            let mean = |sum: f64| (sum / p.divisor(self.signed, how.total)) as f32;
             // Rounded before it is scaled, so that flux is what the radiance of a file gives.
             p.radiance.map(|sum| if p.samples > 0 { (f64::from(mean(sum)) * how.area) as f32 } else { 0.0 })
         });

@@ -8,7 +8,7 @@ use super::{Arrival, Facing, Vertex};
 use crate::accel::{LANES, Mask, lanes_of};
 use crate::bsdf::View;
 use crate::math::{Frame, Vec3s};
-use crate::sampler::Keys;
+use crate::sampler::{Keys, Part};
 use crate::shape::Surfaces;
 
 /// Up to [`LANES`] vertices of one depth. Lanes that are not in use repeat one that is.
@@ -18,6 +18,8 @@ pub struct Batch<B> {
     pub lanes: Mask,
     /// Scattering events so far.
     pub depth: u32,
+    /// The paths of the sample of each.
+    pub paths: Part,
     /// What scatters.
     pub bsdf: [B; LANES],
     /// See [`Vertex::surface`].

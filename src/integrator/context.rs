@@ -8,7 +8,7 @@ use crate::film::filter::FilterSampler;
 use crate::light::{Emission, Lights, Sampled};
 use crate::math::Rgb;
 use crate::quadrature::hemisphere::HemisphereRule;
-use crate::sampler::{Key, Sampler, SamplerKind, scatter};
+use crate::sampler::{Key, Sampler, SamplerKind, Splits, scatter};
 use crate::scene::{IntegratorKind, LightSampling, Scene, Settings};
 use crate::shape::{FaceMaterials, Instance, Instances, Mesh};
 use std::sync::Arc;
@@ -38,12 +38,12 @@ pub struct Context<'a> {
     pub random: Sampler,
     /// Which number is used for what.
     pub dimensions: Dimensions,
-    /// Into how many paths a sample splits at its first hit, unless that is a mirror or clear glass; of path tracing.
+    /// Into how many paths samples split at their first hit, unless that is a mirror or clear glass; of path tracing.
     ///
     /// A camera ray and what it hits are then paid once for several paths (Arvo and Kirk 1990), whose numbers come from one
     /// well-distributed set: on the Cornell box two paths take 57 % of the error away and cost 66 % more time. What a sample
     /// decides before it splits (pixel, lens, time) gains nothing.
-    pub splits: u32,
+    pub splits: Splits,
     /// True when each path of a sample that splits takes a light sample of its own.
     pub splits_light_samples: bool,
     /// True when vertices take light samples.
@@ -132,7 +132,7 @@ impl<'a> Context<'a> {
     /// Where branch `branch` of a sample takes its numbers from: each of those from 1 has its own, 0 those of the sample.
     #[inline(always)]
     pub fn branched(&self, key: Key, branch: u32) -> Key {
-        if branch == 0 { key } else { self.sampler.branch(key, u64::from(self.splits), branch - 1) }
+        if branch == 0 { key } else { self.sampler.node(key, self.splits.number(key.index, branch)) }
     }
 
     /// The material that scatters where a ray meets `material`: of a mixture the part that a number of the sample

@@ -47,7 +47,7 @@ impl Integrator for Path {
     const BY_MODEL: bool = true;
 
     fn fan_out(&self, cx: &Context<'_>, depth: u32) -> u32 {
-        if depth == 0 { cx.splits } else { 1 }
+        if depth == 0 { cx.splits.most() } else { 1 }
     }
 
     #[inline(always)]
@@ -62,8 +62,8 @@ impl Integrator for Path {
         let alive =
             batch.lanes & lanes_where::<LANES>(|lane| cx.scatters(batch.material[lane], batch.outside[lane]));
         let rough = alive & !lanes_where::<LANES>(|lane| batch.bsdf[lane].is_delta());
-        let split = if self.fan_out(cx, batch.depth) > 1 { rough } else { 0 };
-        let last = if split != 0 { cx.splits } else { 0 };
+        let split = if batch.depth == 0 && batch.paths.first > 0 { rough } else { 0 };
+        let last = if split != 0 { batch.paths.paths } else { 0 };
         let (lit, normals) = (0, [Receiver::ALL_AROUND; LANES]);
         let mut branch = Branch { keys: batch.keys, numbers: batch.branch, share: 1.0, lit, normals };
         // One loop and one place for each call: all of it is compiled into this function, once a BSDF.
@@ -98,10 +98,11 @@ impl Path {
     /// Goes over to branch `number`, from 1, of every lane.
     #[inline(always)]
     fn branch_off<B: Scatter>(&self, cx: &Context<'_>, batch: &Batch<B>, number: u32, branch: &mut Branch) {
+        let number = batch.paths.first + number - 1;
         for lane in 0..LANES {
             branch.keys.set(lane, cx.branched(batch.keys.get(lane), number));
         }
-        (branch.numbers, branch.share) = ([number; LANES], 1.0 / cx.splits as f32);
+        (branch.numbers, branch.share) = ([number; LANES], 1.0 / batch.paths.paths as f32);
     }
 
     /// Next-event estimation at the lanes `rough`: a light sample each.
@@ -184,7 +185,7 @@ impl Path {
         alive &= mask(&goes_on);
         if self.roulette && batch.depth + 1 >= ROULETTE_FROM {
             let numbers = cx.sampler.d1_of(&branch.keys, dimensions.roulette);
-            alive &= roulette(cx.splits, &numbers, &branch.numbers, &mut next.beta);
+            alive &= roulette(batch.paths.paths, &numbers, &branch.numbers, &mut next.beta);
         }
         let last = batch.depth + 1 == self.max_depth && !cx.has_moving_lamps;
         for lane in lanes_of(alive) {

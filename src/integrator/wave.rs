@@ -17,6 +17,7 @@ use crate::bsdf::{Bsdf, Material, Scatter};
 use crate::film::{Film, Tile};
 use crate::light::{End, Receiver, sphere};
 use crate::math::{DVec3, Rgb};
+use crate::sampler::Part;
 use first::{camera_ray, first_hit, first_hit_of_lamp, time};
 use gather::{Traced, batch};
 pub use pushed::{BatchSink, Extensions, PathSink};
@@ -60,6 +61,8 @@ pub struct Job<'a, I> {
     pub tile: [u32; 2],
     /// The block of samples.
     pub samples: Range<u32>,
+    /// Which of their paths.
+    pub part: Part,
     /// True when first hits go to the film's layers.
     pub layers: bool,
     /// Asked before every step; `true` gives the wave up.
@@ -146,6 +149,7 @@ impl Wave {
                 let key = cx.sampler.key(y * cx.size[0] + x, index);
                 let time = time(cx, key);
                 let (ray, weight) = camera_ray(cx, x, y, key, time);
+                let weight = weight * job.part.weight;
                 let (pdf, normal) = (f32::INFINITY, Receiver::ALL_AROUND);
                 let first = Extension { o: ray.o, d: ray.d, beta: Rgb::ONE, pdf, normal, branch: 0 };
                 next.follow(first, slots.len() as u32);
@@ -272,7 +276,8 @@ impl Wave {
         bsdf: impl Fn(&Material) -> Option<&B>,
     ) {
         for of in group.chunks(LANES) {
-            let traced = Traced { lanes: &self.current, hits: &self.hits, slots: &self.pushed.slots };
+            let (slots, part) = (&self.pushed.slots, job.part);
+            let traced = Traced { lanes: &self.current, hits: &self.hits, slots, part };
             let Some(batch) = batch(job.cx, &traced, depth, of, &bsdf) else { continue };
             if depth == 0 && job.layers {
                 for lane in lanes_of(batch.lanes) {
@@ -333,7 +338,8 @@ impl Wave {
             self.stats.invalid_samples += u64::from(!sound);
             // Scaled rather than cut, so that a clamped sample keeps its hue.
             let excess = (c.max_element() / job.cx.brightest).max(1.0);
-            tile.add(slot.pixel as usize, if sound { c / excess } else { DVec3::ZERO }, slot.weight);
+            let radiance = if sound { c / excess } else { DVec3::ZERO };
+            tile.add(slot.pixel as usize, radiance, slot.weight, !job.part.again);
         }
     }
 }

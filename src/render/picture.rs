@@ -9,6 +9,7 @@ use crate::integrator::wave::{Job, Wave};
 use crate::integrator::{Context, Integrator, RenderStats};
 use crate::math::isa::{self, Isa, Kernel};
 use crate::memory;
+use crate::sampler::PREVIEW;
 use crate::scene::need::developed;
 use crate::scene::{Quantity, Scene, Settings};
 use rayon::prelude::*;
@@ -57,7 +58,9 @@ impl Picture<'_> {
         };
         let restored: u64 = tiles.iter().map(|&tile| u64::from(film.samples_of(tile))).sum();
         done.store(restored * TILE_PIXELS, Ordering::Relaxed);
-        let job = Passes { picture: self, cx: &cx, integrator, film: &film, tiles: &tiles, done: &done };
+        let work = AtomicU64::new(tiles.iter().map(|&tile| work(&cx, film.samples_of(tile))).sum());
+        let (film, tiles, done) = (&film, &tiles[..], &done);
+        let job = Passes { picture: self, cx: &cx, integrator, film, tiles, done, work: &work };
         let (stats, complete) = match &keeper {
             Some(keeper) => keeper.while_saving(|| job.run())?,
             None => job.run(),
@@ -67,8 +70,9 @@ impl Picture<'_> {
             Quantity::Radiance => 1.0,
             Quantity::Flux => self.scene.camera.window.pixel_area(s.size),
         };
-        let samples = done.into_inner() as f64 / (tiles.len() as u64 * TILE_PIXELS).max(1) as f64;
-        let image = film.develop(Develop { crop, aovs: &s.aovs, origin: self.scene.origin, area, settings });
+        let samples = done.load(Ordering::Relaxed) as f64 / (tiles.len() as u64 * TILE_PIXELS).max(1) as f64;
+        let (origin, total) = (self.scene.origin, |samples| cx.splits.total_weight(samples));
+        let image = film.develop(Develop { crop, aovs: &s.aovs, origin, area, total: &total, settings });
         Ok(Rendering { image, stats, samples, complete })
     }
 }
@@ -84,6 +88,13 @@ struct Passes<'a, I> {
     tiles: &'a [usize],
     /// Samples of all pixels of all tiles.
     done: &'a AtomicU64,
+    /// Their [`work`].
+    work: &'a AtomicU64,
+}
+
+/// What the first `samples` of a pixel cost, about: a camera ray each, and their paths.
+fn work(cx: &Context<'_>, samples: u32) -> u64 {
+    u64::from(samples) + cx.splits.before(samples)
 }
 
 /// What a thread works with.
@@ -127,23 +138,32 @@ impl<I: Integrator> Passes<'_, I> {
         }
         let columns = self.film.tiles()[0] as usize;
         let count = samples.len() as u64;
-        let job = Job {
-            cx: self.cx,
-            integrator: self.integrator,
-            accel,
-            tile: [(tile % columns) as u32, (tile / columns) as u32],
-            samples,
-            layers: !settings.aovs.is_empty(),
-            stop: hooks.stop,
-        };
+        let added = work(self.cx, samples.end) - work(self.cx, samples.start);
+        let splits = self.cx.splits;
+        let lacking = splits.lacking(samples.start).map(|part| (0..PREVIEW, part));
+        let begun = splits.begun(samples.start);
         self.film.copy(tile, &mut bench.tile);
         let Bench { wave, tile: sums } = bench;
-        let is_done = isa::run(isa, TileKernel { wave, job: &job, tile: sums });
+        let is_done = lacking.into_iter().chain([(samples, begun)]).all(|(samples, part)| {
+            let job = Job {
+                cx: self.cx,
+                integrator: self.integrator,
+                accel,
+                tile: [(tile % columns) as u32, (tile / columns) as u32],
+                samples,
+                part,
+                layers: !settings.aovs.is_empty() && !part.again,
+                stop: hooks.stop,
+            };
+            isa::run(isa, TileKernel { wave, job: &job, tile: sums })
+        });
         if is_done {
             self.film.put(tile, sums, cut);
             let done = self.done.fetch_add(count * TILE_PIXELS, Ordering::Relaxed) + count * TILE_PIXELS;
             let total = self.tiles.len() as u64 * TILE_PIXELS * u64::from(settings.spp);
-            (hooks.progress)(Progress::Render(done, total));
+            let whole = self.tiles.len() as u64 * work(self.cx, settings.spp);
+            let share = (self.work.fetch_add(added, Ordering::Relaxed) + added) as f64 / whole as f64;
+            (hooks.progress)(Progress::Render { done, total, share });
         }
         (wave.take_stats(), is_done)
     }
@@ -175,6 +195,12 @@ fn touched_tiles([x, y, w, h]: [u32; 4], columns: u32) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Samples of a preview get further paths when the block after them is begun.
+    #[test]
+    fn a_preview_is_whole_blocks() {
+        assert!((0..4).any(|k| block(k).start == PREVIEW));
+    }
 
     #[test]
     fn a_crop_touches_whole_tiles() {

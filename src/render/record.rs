@@ -3,6 +3,7 @@
 use crate::accel::Intersector;
 use crate::film::PixelRule;
 use crate::math::digest::Digest;
+use crate::sampler::Splits;
 use crate::scene::{BuildQuality, Compact, IntegratorKind, Scene, Settings};
 use serde_json::{Value, json};
 
@@ -24,8 +25,7 @@ pub fn identity(s: &Settings, scene: &Scene, accel: Option<&dyn Intersector>) ->
     named["film"]["aov"] = s.aovs.iter().map(|aov| aov.name()).collect();
     let build = BuildQuality::Fixed(s.build.resolve(scene.triangles(), s.size, s.spp));
     let mut digest = Digest::new();
-    let split = Some(s.splits(scene));
-    digest.value(&Settings { spp: 0, split, build, compact: Compact::No, ..s.clone() });
+    digest.value(&Settings { spp: 0, split: None, build, compact: Compact::No, ..s.clone() });
     json!({ "drt": named, "settings": digest.hex() })
 }
 
@@ -48,7 +48,10 @@ fn settings(s: &Settings, scene: &Scene, accel: Option<&dyn Intersector>) -> Val
             "integrator": integrator_json(&s.integrator),
             "lights": s.lights.name(),
             "roulette": s.roulette,
-            "split": s.splits(scene),
+            "split": match s.splits(scene) {
+                Splits::Each(n) => json!(n),
+                Splits::Later(n) => json!({ "preview": 1, "later": n }),
+            },
             "spp": s.spp,
             "max_depth": s.max_depth,
             "seed": s.seed,

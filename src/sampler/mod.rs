@@ -8,7 +8,10 @@ mod halton;
 mod random;
 mod sobol;
 mod sobol_table;
+mod splits;
 mod stratified;
+
+pub use splits::{PREVIEW, Part, Splits};
 
 use crate::error::{Result, lookup, name_in};
 
@@ -120,7 +123,12 @@ impl Sampler {
     /// follow each other, so that they share well-distributed points among them.
     #[inline(always)]
     pub fn branch(&self, key: Key, nodes: u64, branch: u32) -> Key {
-        let index = (u64::from(key.index) * nodes).wrapping_add(u64::from(branch));
+        self.node(key, (u64::from(key.index) * nodes).wrapping_add(u64::from(branch)))
+    }
+
+    /// The key of node `index` among all into which the samples of `key`'s pixel have split.
+    #[inline(always)]
+    pub fn node(&self, key: Key, index: u64) -> Key {
         // Beyond 2³² points a pixel goes on with those of another.
         Key { pixel: key.pixel ^ hash((index >> 32) as u32), index: index as u32 }
     }

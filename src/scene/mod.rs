@@ -16,8 +16,8 @@ use crate::accel::need::Extent;
 use crate::bsdf::Material;
 use crate::camera::CameraSpec;
 use crate::light::Light;
-use crate::math::{Aabb, DVec3};
-use crate::shape::{Instance, Instances, Mesh};
+use crate::math::{Aabb, DVec3, Rgb};
+use crate::shape::{FaceMaterials, Instance, Instances, Mesh};
 use std::sync::Arc;
 
 /// Everything that is looked at. Mesh coordinates, lights and the built camera live in scene coordinates:
@@ -72,6 +72,20 @@ impl Scene {
         let shutter = self.camera.shutter;
         let camera = self.camera.motion.as_ref().is_some_and(|motion| !motion.rests(shutter));
         camera || self.instances.places.iter().any(|place| !place.rests(shutter))
+    }
+
+    /// Whether there are lamps, and more than a single square, whose edges a pixel may see.
+    pub fn has_lamps(&self) -> bool {
+        let shines =
+            |id: u32| self.materials.get(id as usize).is_some_and(|material| material.emission != Rgb::ZERO);
+        let lamps = |mesh: &Arc<Mesh>| match &mesh.materials {
+            FaceMaterials::Uniform(id) if shines(*id) => mesh.indices.len(),
+            FaceMaterials::Uniform(_) => 0,
+            FaceMaterials::PerFace(ids) => ids.iter().filter(|id| shines(**id)).count(),
+        };
+        let given = self.instances.places.iter().any(|place| place.material.is_some_and(shines));
+        let balls = self.lights.iter().any(|light| matches!(light, Light::Sphere(_)));
+        balls || given || self.all_meshes().map(lamps).sum::<usize>() > 2
     }
 
     /// What building over it and rendering it will take in memory.

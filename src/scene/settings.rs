@@ -6,7 +6,7 @@ use crate::accel::{Backend, Quality};
 use crate::error::{Result, lookup, name_in};
 use crate::film::{Aov, Filter, PixelRule};
 use crate::quadrature::hemisphere::HemisphereRule;
-use crate::sampler::SamplerKind;
+use crate::sampler::{SamplerKind, Splits};
 
 /// What is computed along the rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -267,17 +267,24 @@ impl Settings {
     /// The most paths into which a sample can split.
     pub const MOST_SPLITS: u32 = 64;
 
-    /// Into how many paths a sample splits at its first hit.
+    /// Into how many paths samples split at their first hit.
     ///
-    /// Unless it is said, into two, where the noise comes from behind the first hit; where a lens or motion brings noise of
-    /// its own, which only more samples take away, into one.
-    pub fn splits(&self, scene: &Scene) -> u32 {
-        let lens_or_motion = scene.camera.aperture.radius > 0.0 || scene.moves();
-        match self.integrator {
-            IntegratorKind::Path | IntegratorKind::Direct => {
-                self.split.unwrap_or(if lens_or_motion { 1 } else { 2 })
+    /// Unless it is said, into four where next to all noise comes from behind it: below a sky or by a single lamp. Into two
+    /// where pictures and the edges of lamps vary over the pixel, or points and strata are as many as samples. Into one
+    /// where a lens or motion brings noise of its own: there only more samples help.
+    pub fn splits(&self, scene: &Scene) -> Splits {
+        let varies = || scene.materials.iter().any(|m| m.maps.is_some()) || scene.has_lamps();
+        let fixed = || self.rule.grid().is_some() || self.sampler == SamplerKind::Stratified;
+        match (self.integrator, self.split) {
+            (IntegratorKind::Path | IntegratorKind::Direct, Some(said)) => Splits::Each(said),
+            (IntegratorKind::Path | IntegratorKind::Direct, None) => {
+                match scene.camera.aperture.radius > 0.0 || scene.moves() {
+                    true => Splits::Each(1),
+                    false if fixed() || varies() => Splits::Each(2),
+                    false => Splits::Later(4),
+                }
             }
-            IntegratorKind::Ao { .. } | IntegratorKind::Normals | IntegratorKind::Distribution { .. } => 1,
+            _ => Splits::Each(1),
         }
     }
 }

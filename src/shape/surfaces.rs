@@ -19,38 +19,38 @@ pub struct Corners<const N: usize> {
 }
 
 impl<const N: usize> Corners<N> {
-    /// To be filled lane by lane.
+    /// Fetches the triangles of which the points with `weights` (of the second and third corner) were hit.
+    ///
+    /// All lanes' indices first, then all positions, then the rest: a processor waits for the memory of many lanes at once
+    /// rather than for one load that hangs on another, lane by lane.
     #[inline(always)]
-    pub fn empty() -> Corners<N> {
-        Corners {
-            positions: [Vec3s::ZERO; 3],
-            normals: [Vec3s::ZERO; 3],
-            uvs: [[Vec2::ZERO; 3]; N],
-            with_normals: 0,
-            with_uvs: 0,
-            weights: [[0.0; N]; 2],
+    pub fn fetch(meshes: &[&Mesh; N], triangles: &[u32; N], weights: [[f32; N]; 2]) -> Corners<N> {
+        let zero = [Vec3s::ZERO; 3];
+        let (uvs, with_normals, with_uvs) = ([[Vec2::ZERO; 3]; N], 0, 0);
+        let mut all = Corners { positions: zero, normals: zero, uvs, with_normals, with_uvs, weights };
+        let mut corners = [[0; 3]; N];
+        for lane in 0..N {
+            corners[lane] = meshes[lane].indices[triangles[lane] as usize];
         }
-    }
-
-    /// Fetches a triangle of which the point with weights `u` and `v` was hit.
-    #[inline(always)]
-    pub fn set(&mut self, lane: usize, mesh: &Mesh, triangle: u32, u: f32, v: f32) {
-        let triangle = triangle as usize;
-        let corners = mesh.indices[triangle];
-        for (to, i) in self.positions.iter_mut().zip(corners) {
-            to.set(lane, Vec3::from(mesh.positions[i as usize]));
-        }
-        if let Some(n) = mesh.normals.as_ref().and_then(|n| n.corners(triangle, corners)) {
-            for (to, n) in self.normals.iter_mut().zip(n) {
-                to.set(lane, Vec3::from(n));
+        for lane in 0..N {
+            for (to, i) in all.positions.iter_mut().zip(corners[lane]) {
+                to.set(lane, Vec3::from(meshes[lane].positions[i as usize]));
             }
-            self.with_normals |= 1 << lane;
         }
-        if let Some(uvs) = mesh.uvs.as_ref().and_then(|t| t.corners(triangle, corners)) {
-            self.uvs[lane] = uvs.map(Vec2::from);
-            self.with_uvs |= 1 << lane;
+        for lane in 0..N {
+            let (mesh, triangle) = (meshes[lane], triangles[lane] as usize);
+            if let Some(n) = mesh.normals.as_ref().and_then(|n| n.corners(triangle, corners[lane])) {
+                for (to, n) in all.normals.iter_mut().zip(n) {
+                    to.set(lane, Vec3::from(n));
+                }
+                all.with_normals |= 1 << lane;
+            }
+            if let Some(uvs) = mesh.uvs.as_ref().and_then(|t| t.corners(triangle, corners[lane])) {
+                all.uvs[lane] = uvs.map(Vec2::from);
+                all.with_uvs |= 1 << lane;
+            }
         }
-        (self.weights[0][lane], self.weights[1][lane]) = (u, v);
+        all
     }
 
     #[inline(always)]
@@ -165,11 +165,9 @@ mod tests {
         let hit = |lane: usize| (lane as u32, 0.09 * lane as f32 - 0.1, 0.4);
         for every in [1, 3, 99] {
             let mesh = |lane: usize| if lane.is_multiple_of(every) { &plain } else { &bare };
-            let mut corners = Corners::<16>::empty();
-            for lane in 0..16 {
-                let (triangle, u, v) = hit(lane);
-                corners.set(lane, mesh(lane), triangle, u, v);
-            }
+            let hits: [(u32, f32, f32); 16] = std::array::from_fn(hit);
+            let (triangles, weights) = (hits.map(|h| h.0), [hits.map(|h| h.1), hits.map(|h| h.2)]);
+            let corners = Corners::fetch(&std::array::from_fn(mesh), &triangles, weights);
             let all = Surfaces::new(&corners);
             for lane in 0..16 {
                 let (triangle, u, v) = hit(lane);

@@ -105,3 +105,43 @@ fn a_sample_that_splits_in_four_is_worth_four() {
         }
     });
 }
+
+/// Below a sky a preview takes one path a sample. More samples give those the paths that they lack: in the end each has four,
+/// all weigh alike, what is seen directly stays exact, and the mean is that of whole samples.
+#[test]
+fn samples_of_a_preview_get_their_paths_later() {
+    let sky = "reflectance = 0.5\n[[mesh]]\nfile = \"r.obj\"\nmaterial = \"m\"\n\
+               [[light]]\ntype = \"environment\"\nradiance = 2.0\n";
+    // Half of the pixel sees a floor under a roof, the other half the sky.
+    let half = obj(&[vec![[-9.0, -9.0, 0.0], [0.5, -9.0, 0.0], [0.5, 9.0, 0.0], [-9.0, 9.0, 0.0]]]);
+    let roof = obj(&[vec![[-0.5, -9.0, 1.0], [-0.5, 9.0, 1.0], [-9.0, 9.0, 1.0], [-9.0, -9.0, 1.0]]]);
+    on_every_backend(|backend| {
+        let files = [("m.obj", half.clone()), ("r.obj", roof.clone())];
+        let stage = stage(&pixel(sky), &files, backend, &["render.sampler=random"]);
+        let render = |seed, spp, split| {
+            let (image, stats) = stage.render(|s| (s.seed, s.spp, s.split) = (seed, spp, split));
+            let rays = [stats.camera_rays, stats.bounce_rays];
+            (f64::from(image.f32_channel("G").unwrap()[0]), rays)
+        };
+        assert_eq!(render(7, 16, None), render(7, 16, Some(1)), "a preview is whole samples");
+        // Sixteen camera rays are traced once more; every sample that meets the floor sends four rays on.
+        let ([camera, bounce], [_, whole]) = (render(7, 64, None).1, render(7, 64, Some(1)).1);
+        assert_eq!((camera, bounce), (64 + 16, 4 * whole));
+        for spp in [16, 17, 64] {
+            let all_sky = stage.render(|s| (s.spp, s.crop, s.size) = (spp, Some([60, 0, 1, 1]), [64, 1])).0;
+            assert_eq!(all_sky.f32_channel("G").unwrap()[0], 2.0, "{spp} samples");
+        }
+        let moments = |spp, split| {
+            let values: Vec<f64> = (0..400).map(|seed| render(seed, spp, split).0).collect();
+            let mean = values.iter().sum::<f64>() / 400.0;
+            (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 399.0).sqrt())
+        };
+        for spp in [20, 64] {
+            let ((one, spread), (all, narrow)) = (moments(spp, Some(1)), moments(spp, None));
+            assert!((one - all).abs() < 5.0 * spread / 200f64.sqrt(), "{spp} samples: {one} {all}");
+            // As many paths for every sample, so as good as when all of them split at once.
+            let four = moments(spp, Some(4)).1;
+            assert!(narrow < spread && (narrow / four - 1.0).abs() < 0.15, "{spp}: {spread} {narrow} {four}");
+        }
+    });
+}

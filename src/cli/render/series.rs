@@ -222,9 +222,11 @@ impl Job {
         self.console.detail(&format!("picture {index} of {count}"));
         let phase = Phase::begin(self.style, "render");
         let progress = |p| {
-            if let Progress::Render(done, total) = p {
+            if let Progress::Render { done, total, share } = p {
                 // The bar is that of the whole series.
-                phase.show(u64::from(index - 1) * total + done, u64::from(count) * total);
+                let before = u64::from(index - 1);
+                let share = (before as f64 + share) / f64::from(count);
+                phase.show_work(share, before * total + done, u64::from(count) * total);
             }
         };
         let hooks = Hooks { progress: &progress, stop: &|| signals.stop() };

@@ -7,7 +7,7 @@ use crate::integrator::Context;
 use crate::integrator::batch::Batch;
 use crate::integrator::lanes::Lanes;
 use crate::math::Vec3s;
-use crate::sampler::Keys;
+use crate::sampler::{Keys, Part};
 use crate::shape::{Corners, Surfaces};
 
 /// What a step of a wave has traced.
@@ -18,6 +18,8 @@ pub struct Traced<'a> {
     pub hits: &'a [Hits],
     /// The samples they belong to.
     pub slots: &'a [Slot],
+    /// The paths of each of these.
+    pub part: Part,
 }
 
 /// The vertices of the rays numbered `of` (one to [`LANES`] of them), whose materials are of the kind that `bsdf` names.
@@ -29,30 +31,33 @@ pub fn batch<B: Scatter + Clone>(
     of: &[u32],
     bsdf: impl Fn(&Material) -> Option<&B>,
 ) -> Option<Batch<B>> {
-    let mut corners = Corners::<LANES>::empty();
+    let first = *of.first()?;
+    let mut numbers = [first as usize; LANES];
+    for (number, i) in numbers.iter_mut().zip(of) {
+        *number = *i as usize;
+    }
     let (mut origin, mut wo, mut beta) = (Vec3s::ZERO, Vec3s::ZERO, Vec3s::ZERO);
     let (mut t, mut pdf) = ([0.0; LANES], [0.0; LANES]);
     let [mut material, mut part, mut normal, mut branch, mut slot] = [[0; LANES]; 5];
-    let mut ids = [[0; 2]; LANES];
+    let (mut ids, mut triangles, mut weights) = ([[0; 2]; LANES], [0; LANES], [[0.0; LANES]; 2]);
     let mut keys = Keys::ZERO;
     for lane in 0..LANES {
-        let i = *of.get(lane).unwrap_or(of.first()?) as usize;
-        let (chunk, at) = (i / LANES, i % LANES);
+        let (chunk, at) = (numbers[lane] / LANES, numbers[lane] % LANES);
         let (hits, path, rays) = (&traced.hits[chunk], &traced.lanes.paths[chunk], &traced.lanes.rays[chunk]);
         let (id, triangle) = (hits.mesh[at], hits.triangle[at]);
-        let (mesh, _) = cx.mesh(id);
-        corners.set(lane, mesh, triangle, hits.u[at], hits.v[at]);
+        (weights[0][lane], weights[1][lane], triangles[lane]) = (hits.u[at], hits.v[at], triangle);
         origin.set(lane, rays.o(at));
         wo.set(lane, -rays.d(at));
         beta.set(lane, traced.lanes.beta(chunk, at));
         (t[lane], pdf[lane], normal[lane]) = (hits.t[at], path.pdf[at], path.normal[at]);
         (branch[lane], slot[lane], ids[lane]) = (path.branch[at], path.slot[at], [id, triangle]);
         let key = traced.slots[slot[lane] as usize].key;
-        keys.set(lane, if cx.splits > 1 { cx.branched(key, branch[lane]) } else { key });
+        keys.set(lane, cx.branched(key, branch[lane]));
         material[lane] = cx.material(id, triangle);
         part[lane] = cx.part(material[lane], key, depth, branch[lane]);
     }
-    let mut surface = Surfaces::new(&corners);
+    let meshes = std::array::from_fn(|lane| cx.mesh(ids[lane][0]).0);
+    let mut surface = Surfaces::new(&Corners::fetch(&meshes, &triangles, weights));
     if cx.has_maps {
         for lane in 0..LANES {
             if let Some(maps) = &cx.materials[part[lane] as usize].maps {
@@ -104,6 +109,7 @@ pub fn batch<B: Scatter + Clone>(
     Some(Batch {
         lanes,
         depth,
+        paths: traced.part,
         bsdf,
         surface,
         frame,
