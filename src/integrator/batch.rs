@@ -50,6 +50,8 @@ pub struct Batch<B> {
     pub normal: [u32; LANES],
     /// See [`Arrival::branch`].
     pub branch: [u32; LANES],
+    /// See [`Arrival::time`].
+    pub time: [f32; LANES],
     /// See [`Arrival::key`].
     pub keys: Keys<LANES>,
     /// Which sample of the wave each is of.
@@ -90,6 +92,7 @@ impl<B> Batch<B> {
                 normal: self.normal[lane],
                 depth: self.depth,
                 branch: self.branch[lane],
+                time: self.time[lane],
                 key: self.keys.get(lane),
             },
         }

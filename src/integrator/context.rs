@@ -6,11 +6,10 @@ use crate::error::Result;
 use crate::film::PixelPoints;
 use crate::film::filter::FilterSampler;
 use crate::light::{Emission, Lights, Sampled};
-use crate::math::Rgb;
 use crate::quadrature::hemisphere::HemisphereRule;
 use crate::sampler::{Key, Sampler, SamplerKind, Splits, scatter};
 use crate::scene::{IntegratorKind, LightSampling, Scene, Settings};
-use crate::shape::{FaceMaterials, Instance, Instances, Mesh};
+use crate::shape::{Instances, Mesh};
 use std::sync::Arc;
 
 /// The scene and the tables of one picture.
@@ -56,8 +55,6 @@ pub struct Context<'a> {
     pub has_maps: bool,
     /// True when a surface of the scene has holes.
     pub has_cutouts: bool,
-    /// True when an instance shines, which no light sample finds.
-    pub has_moving_lamps: bool,
     /// What the brightest channel of a sample is clamped to; infinite where nothing is.
     pub brightest: f64,
     /// Width and height of the full picture.
@@ -78,6 +75,7 @@ impl<'a> Context<'a> {
         };
         let lights = Lights::new(
             &scene.meshes,
+            (&scene.instances, scene.camera.shutter),
             scene.materials.iter().map(emission).collect(),
             &scene.lights,
             Sampled {
@@ -123,7 +121,6 @@ impl<'a> Context<'a> {
             has_mixes: scene.materials.iter().any(|m| m.mix.is_some()),
             has_maps: scene.materials.iter().any(|m| m.maps.is_some()),
             has_cutouts,
-            has_moving_lamps: has_moving_lamps(scene),
             brightest: settings.clamp.map_or(f64::INFINITY, f64::from),
             size: settings.size,
         })
@@ -156,18 +153,6 @@ impl<'a> Context<'a> {
     pub fn scatters(&self, material: u32, outside: bool) -> bool {
         outside || self.materials[material as usize].two_sided
     }
-}
-
-/// Whether an instance shines.
-fn has_moving_lamps(scene: &Scene) -> bool {
-    let shines = |id: u32| scene.materials.get(id as usize).is_some_and(|m| m.emission != Rgb::ZERO);
-    let of_mesh = |mesh: &Arc<Mesh>| match &mesh.materials {
-        FaceMaterials::Uniform(id) => shines(*id),
-        FaceMaterials::PerFace(ids) => ids.iter().any(|id| shines(*id)),
-    };
-    let own: Vec<bool> = scene.instances.meshes.iter().map(of_mesh).collect();
-    let of_place = |place: &Instance| place.material.map_or(own[place.mesh as usize], shines);
-    scene.instances.places.iter().any(of_place)
 }
 
 /// Which dimension of a sample decides what. Only decisions that the picture can need get one of the first

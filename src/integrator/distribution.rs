@@ -196,7 +196,7 @@ impl Distribution {
             normal = packed;
             let choice = if cx.lights.has_choice() { self.numbers.bits(key, dimensions.choice) } else { 0 };
             let u = self.numbers.d2(key, dimensions.light);
-            if let Some(light) = cx.lights.sample(&v.surface, &from, choice, u) {
+            if let Some(light) = cx.lights.sample(&v.surface, &from, choice, v.arrival.time, u) {
                 connect(self.lights, v, bsdf, &light, share, out);
             }
         }
@@ -209,7 +209,7 @@ impl Distribution {
         let pdf = competing_pdf(self.lights, cx.samples_lights, sample.pdf);
         // At the last depth a ray of density zero has nothing left to find.
         if !v.facing().on_the_same_side_as(sample.wi, d)
-            || (pdf == 0.0 && depth + 1 == self.max_depth && !cx.has_moving_lamps)
+            || (pdf == 0.0 && depth + 1 == self.max_depth && !cx.lights.has_unsampled)
         {
             return;
         }

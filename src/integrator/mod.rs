@@ -110,6 +110,8 @@ pub struct Arrival {
     pub depth: u32,
     /// Which of the branches into which the sample has split by now; 0 where nothing splits.
     pub branch: u32,
+    /// When the sample is taken: 0 as the shutter opens, before 1 when it closes.
+    pub time: f32,
     /// Which sample of which pixel.
     pub key: Key,
 }
@@ -176,7 +178,10 @@ fn emitted(cx: &Context<'_>, v: &Vertex, out: &mut impl Sink) {
     }
     let competes = v.arrival.pdf > 0.0 && v.arrival.pdf < f32::INFINITY;
     let from = Receiver::new(v.origin, v.arrival.normal);
-    let pdf = if competes { cx.lights.pdf_of_hit(&from, v.ids, &v.surface, v.wo, v.t) } else { 1.0 };
+    let pdf = match competes {
+        true => cx.lights.pdf_of_hit(&from, v.ids, &v.surface, v.wo, v.t, v.arrival.time),
+        false => 1.0,
+    };
     out.emit(v.arrival.beta * le * mis::power(v.arrival.pdf, pdf));
 }
 

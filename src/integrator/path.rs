@@ -125,7 +125,7 @@ impl Path {
             }
         }
         let u = cx.sampler.d2_of(&branch.keys, dimensions.light);
-        let lights = cx.lights.sample_all(&batch.surface, &branch.normals, &choices, &u, rough);
+        let lights = cx.lights.sample_all(&batch.surface, &branch.normals, &choices, &batch.time, &u, rough);
         let mut radiance = Vec3s::ZERO;
         let mut arrives = [false; LANES];
         if B::is_small() {
@@ -187,7 +187,7 @@ impl Path {
             let numbers = cx.sampler.d1_of(&branch.keys, dimensions.roulette);
             alive &= roulette(batch.paths.paths, &numbers, &branch.numbers, &mut next.beta);
         }
-        let last = batch.depth + 1 == self.max_depth && !cx.has_moving_lamps;
+        let last = batch.depth + 1 == self.max_depth && !cx.lights.has_unsampled;
         for lane in lanes_of(alive) {
             next.pdf[lane] = competing_pdf(self.lights, branch.lit >> lane & 1 == 1, next.pdf[lane]);
             // The next vertex could only emit, and that has been counted.

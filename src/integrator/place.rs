@@ -27,12 +27,6 @@ impl<'a> Context<'a> {
     /// From an instance's mesh to the scene at a sample's time.
     #[inline]
     pub fn transform(&self, place: &Instance, time: f32) -> DAffine3 {
-        match place.rest() {
-            Some(transform) => *transform,
-            None => {
-                let [open, close] = self.shutter;
-                place.transform(open + (close - open) * f64::from(time))
-            }
-        }
+        place.during(self.shutter, time)
     }
 }

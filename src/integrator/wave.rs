@@ -293,10 +293,10 @@ impl Wave {
     fn arrival(&self, chunk: usize, lane: usize, depth: u32) -> (Arrival, u32) {
         let path = &self.current.paths[chunk];
         let slot = path.slot[lane];
-        let key = self.pushed.slots[slot as usize].key;
+        let Slot { key, time, .. } = self.pushed.slots[slot as usize];
         let (beta, branch) = (self.current.beta(chunk, lane), path.branch[lane]);
         let (pdf, normal) = (path.pdf[lane], path.normal[lane]);
-        (Arrival { beta, pdf, normal, depth, branch, key }, slot)
+        (Arrival { beta, pdf, normal, depth, branch, time, key }, slot)
     }
 
     /// Traces the shadow rays; what is free reaches its sample.

@@ -27,6 +27,12 @@ impl Emission {
         }
     }
 
+    /// What a point at texture coordinates `uv` (none: it has none) sends in the mean, with its holes.
+    #[inline(always)]
+    pub(super) fn there(&self, uv: Option<Vec2>) -> Rgb {
+        self.at(uv.unwrap_or_default()) * self.opacity.as_ref().map_or(1.0, |opacity| opacity.at(uv))
+    }
+
     /// Radiance above this is cut, as the scene file does.
     const LARGEST: f32 = 1e12;
 

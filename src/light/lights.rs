@@ -4,6 +4,8 @@
 //! in a short list ([`distant`](super::distant)). Every choice has a probability that can be asked for from the other end,
 //! when a ray meets a light by itself.
 
+mod instanced;
+
 use super::bounds::{Cone, LightBounds};
 use super::distant::{Distant, Distants};
 use super::patch::{self, Patch};
@@ -11,13 +13,15 @@ use super::single::{sample_directional, sample_point, sample_sphere, sample_spot
 use super::tree::LightTree;
 use super::{Emission, Environment, Light, LightSample, Point, Receiver, Sphere, Spot, Sun, reach};
 use crate::math::{Aabb, Rgb, Vec3, luminance};
-use crate::shape::{Mesh, Surface};
+use crate::shape::{Instances, Mesh, Surface};
+use instanced::Lamp;
 use std::sync::Arc;
 
 /// A light with a place, by its index in the list of its kind.
 #[derive(Clone, Copy, Debug)]
 enum Emitter {
     Patch { patch: u32, material: u32 },
+    Lamp { lamp: u32, triangle: u32, material: u32 },
     Point(u32),
     Spot(u32),
     Sphere(u32),
@@ -59,8 +63,12 @@ pub struct Lights {
     /// By patch: its mesh and first triangle.
     sources: Vec<[u32; 2]>,
     meshes: Vec<Arc<Mesh>>,
-    /// By mesh.
+    /// By mesh, then by instance.
     owners: Vec<Owners>,
+    /// Instances that shine.
+    lamps: Vec<Lamp>,
+    /// True when instances shine of which no light samples are taken.
+    pub has_unsampled: bool,
     points: Vec<Point>,
     spots: Vec<Spot>,
     /// The spherical lamps, which rays meet besides the meshes.
@@ -73,14 +81,23 @@ pub struct Lights {
 }
 
 impl Lights {
-    /// Collects the emissive triangles of `meshes` (`emissions` by material id) and the other lights.
-    pub fn new(meshes: &[Arc<Mesh>], emissions: Vec<Emission>, others: &[Light], sampled: Sampled) -> Lights {
+    /// Collects the emissive triangles of `meshes` and of `instances` on their way while the shutter is open (`emissions`
+    /// by material id), and the other lights.
+    pub fn new(
+        meshes: &[Arc<Mesh>],
+        (instances, shutter): (&Instances, [f64; 2]),
+        emissions: Vec<Emission>,
+        others: &[Light],
+        sampled: Sampled,
+    ) -> Lights {
         let mut lights = Lights {
             emissions,
             patches: Vec::new(),
             sources: Vec::new(),
             meshes: meshes.to_vec(),
             owners: Vec::new(),
+            lamps: Vec::new(),
+            has_unsampled: false,
             points: Vec::new(),
             spots: Vec::new(),
             spheres: Vec::new(),
@@ -102,6 +119,7 @@ impl Lights {
             let owners = lights.collect_patches(i as u32, mesh, &mut bounds);
             lights.owners.push(owners);
         }
+        lights.collect_lamps(instances, shutter, instanced::MOST, &mut bounds);
         lights.collect_others(sampled.deltas, &mut bounds);
         lights.tree = LightTree::new(&bounds);
         lights
@@ -216,15 +234,14 @@ impl Lights {
         if emission.two_sided || surface.ng.dot(wo) > 0.0 { emission.at(surface.uv) } else { Rgb::ZERO }
     }
 
-    /// True when light samples are taken of the shining triangles of a hit's mesh: they are of all that is at rest, and
-    /// what has instances shines on who meets it by chance.
+    /// True when light samples are taken of the shining triangles of a hit's mesh or instance.
     #[inline(always)]
     pub fn samples(&self, mesh: u32) -> bool {
         (mesh as usize) < self.owners.len()
     }
 
-    /// Density per solid angle with which [`Lights::sample`] would have chosen, at `from`, the point `surface` that a ray
-    /// met at distance `t` on a triangle of a mesh.
+    /// Density per solid angle with which [`Lights::sample`] would have chosen, at `from` and at `time`, the point `surface`
+    /// that a ray met at distance `t` on a triangle of a mesh or instance.
     #[inline(always)]
     pub fn pdf_of_hit(
         &self,
@@ -233,6 +250,7 @@ impl Lights {
         surface: &Surface,
         wo: Vec3,
         t: f32,
+        time: f32,
     ) -> f32 {
         let Some(owners) = self.owners.get(mesh as usize) else { return 0.0 };
         let Some(&emitter) = owners.emitters.get(triangle.wrapping_sub(owners.first) as usize) else {
@@ -242,6 +260,10 @@ impl Lights {
             Some(Emitter::Patch { patch, .. }) => {
                 let pdf = self.patches[*patch as usize].pdf(from.p, t * t, surface.ng.dot(wo).abs());
                 self.chance(emitter, from) * pdf
+            }
+            Some(Emitter::Lamp { lamp, triangle, .. }) => {
+                let cos = surface.ng.dot(wo).abs();
+                self.chance(emitter, from) * self.pdf_of_lamp([*lamp, *triangle], from.p, time, t * t, cos)
             }
             _ => 0.0,
         }
@@ -284,14 +306,15 @@ impl Lights {
         points.chain(spots).chain(self.distant.directionals.iter().map(|d| sample_directional(from, d, 1.0)))
     }
 
-    /// One light and one direction to it from `surface`, whose receiver is `from`. `choice`: 32 uniform bits; `u`: where
-    /// on the light.
+    /// One light and one direction to it from `surface`, whose receiver is `from`. `choice`: 32 uniform bits; `time`: 0 as
+    /// the shutter opens, 1 as it closes; `u`: where on the light.
     #[inline(always)]
     pub fn sample(
         &self,
         surface: &Surface,
         from: &Receiver,
         choice: u32,
+        time: f32,
         u: [f32; 2],
     ) -> Option<LightSample> {
         let (emitter, chance) = if self.has_choice() {
@@ -312,6 +335,9 @@ impl Lights {
         };
         match *self.emitters.get(emitter as usize)? {
             Emitter::Patch { patch, material } => self.sample_patch(surface, patch, material, chance, u),
+            Emitter::Lamp { lamp, triangle, material } => {
+                self.sample_lamp(surface, [lamp, triangle, material], chance, time, u)
+            }
             Emitter::Point(i) => {
                 let point = &self.points[i as usize];
                 sample_point(surface, point.position, chance, |_| point.intensity)
@@ -336,9 +362,7 @@ impl Lights {
         let mut radiance = emission.radiance;
         if emission.varies() {
             let [mesh, triangle] = self.sources[index as usize];
-            let uv = self.meshes[mesh as usize].uv_at(triangle as usize, point.p);
-            let share = emission.opacity.as_ref().map_or(1.0, |opacity| opacity.at(uv));
-            radiance = emission.at(uv.unwrap_or_default()) * share;
+            radiance = emission.there(self.meshes[mesh as usize].uv_at(triangle as usize, point.p));
         }
         patch::light_sample(from, &point, (radiance, emission.two_sided), patch.sampled_area(), chance)
     }

@@ -109,10 +109,16 @@ impl Patch {
     #[inline(always)]
     pub(super) fn sampled_area(&self) -> f32 {
         match self {
-            Patch::Triangle { corners: [a, b, c], .. } => 0.5 * (*b - *a).cross(*c - *a).length(),
+            Patch::Triangle { corners, .. } => area(corners),
             Patch::Rectangle(r) => r.lengths[0] * r.lengths[1],
         }
     }
+}
+
+/// The area of a triangle as densities see it.
+#[inline(always)]
+pub(super) fn area([a, b, c]: &[Vec3; 3]) -> f32 {
+    0.5 * (*b - *a).cross(*c - *a).length()
 }
 
 /// The sample that `point` of a patch with that area is for a receiver at `from`; `radiance`, and whether both sides
@@ -157,14 +163,20 @@ pub(super) fn light_sample_if(
 /// A point of a triangle for a receiver at `from`.
 #[inline(always)]
 fn sample_triangle(corners: &[Vec3; 3], ng: Vec3, from: Vec3, u: [f32; 2]) -> PatchPoint {
-    let (b, by_solid_angle) = match near_triangle(corners, from) {
-        Some(seen) => (weights(corners, from, seen.sample(u)), Some(1.0 / seen.solid_angle)),
-        None => (warp::triangle(u), None),
-    };
+    let (b, by_solid_angle) = choose(corners, from, u);
     let w = 1.0 - b[0] - b[1];
     let p = corners[0] * w + corners[1] * b[0] + corners[2] * b[1];
     let size = corners[0].abs().max(corners[1].abs()).max(corners[2].abs());
     PatchPoint { p, error: ROUNDING * size.max_element(), ng, by_solid_angle }
+}
+
+/// The weights of the second and third corner at such a point, and its density per solid angle where it was chosen by it.
+#[inline(always)]
+pub(super) fn choose(corners: &[Vec3; 3], from: Vec3, u: [f32; 2]) -> ([f32; 2], Option<f32>) {
+    match near_triangle(corners, from) {
+        Some(seen) => (weights(corners, from, seen.sample(u)), Some(1.0 / seen.solid_angle)),
+        None => (warp::triangle(u), None),
+    }
 }
 
 /// The same of a rectangle. `EAGER`: without a branch.

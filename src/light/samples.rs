@@ -61,13 +61,14 @@ impl<const N: usize> LightSamples<N> {
 
 impl Lights {
     /// One light and one direction to it from each of `lanes` of `surfaces`; `normals`: their receivers' packed normals.
-    /// `choices` and `u` as in [`Lights::sample`].
+    /// `choices`, `times` and `u` as in [`Lights::sample`].
     #[inline(always)]
     pub fn sample_all<const N: usize>(
         &self,
         surfaces: &Surfaces<N>,
         normals: &[u32; N],
         choices: &[u32; N],
+        times: &[f32; N],
         u: &[[f32; N]; 2],
         lanes: u16,
     ) -> LightSamples<N> {
@@ -88,7 +89,9 @@ impl Lights {
         for lane in (0..N).filter(|lane| lanes >> lane & 1 == 1) {
             let surface = surfaces.get(lane);
             let from = Receiver::new(surface.p, normals[lane]);
-            if let Some(sample) = self.sample(&surface, &from, choices[lane], [u[0][lane], u[1][lane]]) {
+            if let Some(sample) =
+                self.sample(&surface, &from, choices[lane], times[lane], [u[0][lane], u[1][lane]])
+            {
                 all.set(lane, &sample);
                 all.lanes |= 1 << lane;
             }

@@ -57,6 +57,15 @@ impl Instance {
         }
     }
 
+    /// The transform at a sample's time: 0 as the shutter opens, 1 as it closes.
+    #[inline]
+    pub fn during(&self, [open, close]: [f64; 2], time: f32) -> DAffine3 {
+        match &self.course {
+            Course::Rest(transform) => *transform,
+            Course::Moving(_) => self.transform(open + (close - open) * f64::from(time)),
+        }
+    }
+
     /// The transform, where it is the same at all times.
     #[inline]
     pub fn rest(&self) -> Option<&DAffine3> {

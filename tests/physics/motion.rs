@@ -1,5 +1,6 @@
 //! What moves while the shutter is open: exact profiles of streaks, and what must not change.
 
+use crate::direct::{LAMP, floor, floor_at, lambert};
 use crate::harness::{SKY, cube, obj, on_every_backend, square, stage};
 use drt::accel::Backend;
 use drt::film::Image;
@@ -213,5 +214,48 @@ fn backends_agree_about_motion() {
     for other in &pictures[1..] {
         let differing = pictures[0].iter().zip(other).filter(|(a, b)| (*a - *b).abs() > 1e-4 * **a).count();
         assert!(differing <= 15, "{differing} of 1536 pixels differ");
+    }
+}
+
+/// The square lamp after a time from 0 to 1: it flies over the floor, tumbles and grows.
+fn lamp_at(time: f64) -> Vec<[f64; 3]> {
+    let (turn, size, x) = ((180.0 * time).to_radians(), 0.5 + time, 2.0 * time - 1.0);
+    let corners = [[-0.2, 0.2], [0.2, 0.2], [0.2, -0.2], [-0.2, -0.2]];
+    corners.map(|[a, b]| [size * a * turn.cos() + x, size * b, 1.0 - size * a * turn.sin()]).to_vec()
+}
+
+/// What a lamp on its way sends to a point of the floor is the mean over the time of Lambert's closed form, whichever way
+/// light is sampled; from both sides and from one, moved as a whole or by a group.
+#[test]
+fn a_moving_lamp_sends_the_mean_over_its_way() {
+    let lamp = obj(&[vec![[-0.2, 0.2, 0.0], [0.2, 0.2, 0.0], [0.2, -0.2, 0.0], [-0.2, -0.2, 0.0]]]);
+    let poses = "motion = [{ time = 0, scale = 0.5, translate = [-1, 0, 1] },\n\
+                 { time = 1, scale = 1.5, rotate = { axis = [0, 1, 0], angle = 180 }, translate = [1, 0, 1] }]\n";
+    let times = 4096;
+    for (x, two_sided) in [(0.0, true), (-1.2, true), (0.0, false), (0.7, false)] {
+        let seen = |i: usize| {
+            let time = (i as f64 + 0.5) / times as f64;
+            // Its winding points down at first, and up once it has turned by a quarter.
+            let shines = two_sided || (180.0 * time).to_radians().cos() > 0.0;
+            if shines { lambert(&lamp_at(time), [x, 0.0, 0.0]) } else { 0.0 }
+        };
+        let exact = 0.5 / std::f64::consts::PI * (0..times).map(seen).sum::<f64>() / times as f64;
+        let toml = floor_at(x, LAMP)
+            .replace("height = 1e-4", "height = 1e-4\nshutter = [0, 1]")
+            .replace("emission = 1.0", &format!("emission = 1.0\ntwo_sided = {two_sided}"))
+            .replace("material = \"lamp\"\n", &format!("material = \"lamp\"\n{poses}"));
+        on_every_backend(|backend| {
+            let files = [floor(), ("lamp.obj", lamp.clone())];
+            let by = |lights: &str, spp: u32| {
+                let set = [&*format!("render.lights={lights}"), &*format!("render.spp={spp}")];
+                stage(&toml, &files, backend, &set).statistics()
+            };
+            for (lights, spp) in [("light", 256), ("mis", 256), ("bsdf", 4096)] {
+                by(lights, spp).expect(&format!("x {x}, two-sided {two_sided}, {lights}"), exact, 0.0);
+            }
+            // Rays alone rarely meet it.
+            let (light, bsdf) = (by("light", 64).error, by("bsdf", 64).error);
+            assert!(light < 0.5 * bsdf, "{light} against {bsdf}");
+        });
     }
 }

@@ -37,7 +37,7 @@ pub fn batch<B: Scatter + Clone>(
         *number = *i as usize;
     }
     let (mut origin, mut wo, mut beta) = (Vec3s::ZERO, Vec3s::ZERO, Vec3s::ZERO);
-    let (mut t, mut pdf) = ([0.0; LANES], [0.0; LANES]);
+    let [mut t, mut pdf, mut time] = [[0.0; LANES]; 3];
     let [mut material, mut part, mut normal, mut branch, mut slot] = [[0; LANES]; 5];
     let (mut ids, mut triangles, mut weights) = ([[0; 2]; LANES], [0; LANES], [[0.0; LANES]; 2]);
     let mut keys = Keys::ZERO;
@@ -51,7 +51,8 @@ pub fn batch<B: Scatter + Clone>(
         beta.set(lane, traced.lanes.beta(chunk, at));
         (t[lane], pdf[lane], normal[lane]) = (hits.t[at], path.pdf[at], path.normal[at]);
         (branch[lane], slot[lane], ids[lane]) = (path.branch[at], path.slot[at], [id, triangle]);
-        let key = traced.slots[slot[lane] as usize].key;
+        let Slot { key, time: when, .. } = traced.slots[slot[lane] as usize];
+        time[lane] = when;
         keys.set(lane, cx.branched(key, branch[lane]));
         material[lane] = cx.material(id, triangle);
         part[lane] = cx.part(material[lane], key, depth, branch[lane]);
@@ -70,8 +71,7 @@ pub fn batch<B: Scatter + Clone>(
     if !cx.instances.places.is_empty() {
         for lane in 0..LANES {
             if let (_, Some(place)) = cx.mesh(ids[lane][0]) {
-                let time = traced.slots[slot[lane] as usize].time;
-                surface.set(lane, &surface.get(lane).placed(&cx.transform(place, time)));
+                surface.set(lane, &surface.get(lane).placed(&cx.transform(place, time[lane])));
             }
         }
     }
@@ -96,8 +96,7 @@ pub fn batch<B: Scatter + Clone>(
     }
     if cx.has_maps {
         for lane in 0..LANES {
-            let time = traced.slots[slot[lane] as usize].time;
-            let grain = grain(cx, ids[lane], part[lane], time);
+            let grain = grain(cx, ids[lane], part[lane], time[lane]);
             if let Some(f) = grain.and_then(|grain| grain.frame(frame[2].get(lane))) {
                 frame[0].set(lane, f.s);
                 frame[1].set(lane, f.t);
@@ -125,6 +124,7 @@ pub fn batch<B: Scatter + Clone>(
         pdf,
         normal,
         branch,
+        time,
         keys,
         slot,
     })
