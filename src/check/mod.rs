@@ -105,7 +105,9 @@ fn read(
 ) -> Result<(Object, MeshReport, Findings)> {
     let Job { opening, reach, progress } = job;
     let options = ReadOptions { progress, keep_empty: true, face_lines: true, ..ReadOptions::default() };
-    let mut object = load::read(file, &Reading { options, opening, reach, defined, cache: None })?;
+    let most_copied = u64::MAX;
+    let mut object =
+        load::read(file, &Reading { options, opening, reach, most_copied, defined, cache: None })?;
     let mut findings = std::mem::take(&mut object.findings);
     let going_on = || if progress(1.0) { Ok(()) } else { Err(load::cancelled()) };
     going_on()?;

@@ -2,6 +2,7 @@
 
 mod lights;
 mod palette;
+mod parts;
 mod places;
 mod prototypes;
 mod seen;
@@ -9,7 +10,7 @@ mod seen;
 use super::auto::{self, Sky};
 use super::framing::CameraPlan;
 use super::materials::MaterialSpec;
-use super::object::Object;
+use super::object::{MOST_COPIED, Object};
 use super::open::Reach;
 use super::scene_file::{LightPlan, MaterialPatch, MeshPlan, Plan};
 use super::sky::{SkyPicture, SkySource};
@@ -176,14 +177,15 @@ fn check_memory(paths: &[PathBuf], options: &Options<'_>, settings: &Settings) -
 fn read_objects(plan: &Plan<'_>, options: &Options<'_>) -> Result<(Files, Vec<Option<Object>>)> {
     let meshes = &plan.meshes;
     check_files(meshes, &options.reach)?;
-    let mut paths: Vec<PathBuf> = Vec::new();
+    let (mut paths, mut firsts): (Vec<PathBuf>, Vec<usize>) = Default::default();
     // By path, and by what it leads to: a file has many names and is read once.
     let mut by_path: HashMap<&Path, usize> = HashMap::new();
     let mut by_file: HashMap<PathBuf, usize> = HashMap::new();
-    let of_mesh = meshes.iter().map(|mesh| {
+    let of_mesh = meshes.iter().enumerate().map(|(m, mesh)| {
         *by_path.entry(&mesh.file).or_insert_with(|| {
             *by_file.entry(super::open::real(&mesh.file)).or_insert_with(|| {
                 paths.push(mesh.file.clone());
+                firsts.push(m);
                 paths.len() - 1
             })
         })
@@ -204,7 +206,14 @@ fn read_objects(plan: &Plan<'_>, options: &Options<'_>) -> Result<(Files, Vec<Op
                 name.and_then(|name| plan.materials.get(name)).is_some_and(MaterialPatch::is_whole)
             };
             let (opening, reach, cache) = (options.opening, &options.reach, options.cache);
-            let reading = Reading { opening, reach, defined: &is_whole, cache, ..Reading::new(&progress) };
+            // Of a file that is in several meshes the first one says it.
+            let most_copied = match meshes.get(firsts[i]).and_then(|mesh| mesh.instance) {
+                None => MOST_COPIED,
+                Some(true) => 0,
+                Some(false) => u64::MAX,
+            };
+            let usual = Reading::new(&progress);
+            let reading = Reading { opening, reach, most_copied, defined: &is_whole, cache, ..usual };
             super::read(path, &reading).map(Some)
         })
         .collect();

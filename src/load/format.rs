@@ -47,6 +47,9 @@ pub(crate) struct Reading<'a> {
     pub opening: Opening,
     /// The files that may be read, this one and those that it names.
     pub reach: &'a Reach,
+    /// Copies of meshes that a file shows in several places may have so many triangles together; beyond, each is kept
+    /// once, where the format knows places.
+    pub most_copied: u64,
     /// The materials that need no definition.
     pub defined: &'a dyn Fn(&[u8]) -> bool,
     /// Where meshes that were read before are kept.
@@ -58,7 +61,7 @@ impl<'a> Reading<'a> {
     pub fn new(progress: ReadingProgress<'a>) -> Reading<'a> {
         let options = obj::ReadOptions { progress, ..obj::ReadOptions::default() };
         let (opening, reach) = (Opening::default(), &Reach::Anywhere);
-        Reading { options, opening, reach, defined: &|_| false, cache: None }
+        Reading { options, opening, reach, most_copied: u64::MAX, defined: &|_| false, cache: None }
     }
 }
 

@@ -3,11 +3,13 @@
 use super::framing::Lens;
 use super::materials::MaterialSpec;
 use super::mtl::MtlMaterial;
+use super::place::Transform;
 use super::scene_file::LightPlan;
 use super::{auto, obj};
 use crate::error::Findings;
 use crate::math::DVec3;
-use crate::shape::Mesh;
+use crate::shape::{Bounds64, Mesh};
+use glam::DAffine3;
 use std::path::PathBuf;
 
 /// A mesh file, read.
@@ -33,10 +35,27 @@ pub(crate) struct Object {
     pub counts: obj::Counts,
     /// The line of each triangle's face, where it was asked for.
     pub face_lines: Option<Vec<u32>>,
+    /// What the file shows in several places, besides `mesh`.
+    pub parts: Vec<Part>,
     /// The camera that the file brings, for a scene that places none.
     pub camera: Option<FileCamera>,
     /// The lights that the file brings.
     pub lights: Vec<LightPlan>,
+}
+
+/// Copies beyond a mesh's first may have so many triangles together (about 200 MB with their structure) before instances
+/// take their place: one level is traced faster than two.
+pub(crate) const MOST_COPIED: u64 = 1 << 20;
+
+/// A mesh that stands in several places of a file.
+#[derive(Debug)]
+pub(crate) struct Part {
+    /// The mesh, relative to `origin`, with the file's material ids.
+    pub mesh: Mesh,
+    /// Its coordinates of the mesh's origin.
+    pub origin: DVec3,
+    /// From its coordinates to the file's; all invertible.
+    pub places: Vec<DAffine3>,
 }
 
 /// A camera in a mesh file, in the file's coordinates.
@@ -50,6 +69,14 @@ pub(crate) struct FileCamera {
     pub up: DVec3,
     /// The picture's height.
     pub lens: Lens,
+}
+
+impl Part {
+    /// The box around it in all its places, in the file's coordinates.
+    pub fn bounds(&self) -> Bounds64 {
+        let own = Transform::IDENTITY.extent(&self.mesh.bounds(), self.origin);
+        self.places.iter().fold(Bounds64::EMPTY, |sum, place| sum.union(&own.moved(place)))
+    }
 }
 
 impl Object {
@@ -66,6 +93,7 @@ impl Object {
             definitions: Vec::new(),
             counts: read.counts,
             face_lines: read.face_lines,
+            parts: Vec::new(),
             camera: None,
             lights: Vec::new(),
         }

@@ -71,6 +71,7 @@ fn read(input: Input<'_>, reading: &Reading<'_>) -> Result<Object> {
         definitions: resolved.materials,
         counts: read.counts,
         face_lines: read.face_lines,
+        parts: Vec::new(),
         camera: None,
         lights: Vec::new(),
     })

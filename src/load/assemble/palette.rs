@@ -4,8 +4,10 @@ use crate::error::{Error, Result, unknown_word_advice};
 use crate::load::auto;
 use crate::load::materials::MaterialSpec;
 use crate::load::object::Object;
+use crate::load::place::rename_materials;
 use crate::load::scene_file::{Field, MaterialPatch, MeshPlan};
 use crate::math::Rgb;
+use crate::shape::{FaceMaterials, Mesh};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
@@ -27,6 +29,14 @@ impl Choice {
         match self {
             Choice::One(id) => Some(*id),
             Choice::ByFile(_) => None,
+        }
+    }
+
+    /// Gives a mesh with the file's ids those of the scene.
+    pub fn dress(&self, mesh: &mut Mesh) {
+        match self {
+            Choice::One(id) => mesh.materials = FaceMaterials::Uniform(*id),
+            Choice::ByFile(ids) => rename_materials(mesh, ids),
         }
     }
 }

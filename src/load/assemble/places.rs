@@ -5,24 +5,21 @@
 //! are always copies: light sampling knows their triangles by their places.
 
 use super::palette::Choice;
+use super::parts::place_parts;
 use super::prototypes::Prototypes;
 use crate::bsdf::Parameter;
 use crate::error::{Error, Result};
 use crate::load::materials::MaterialSpec;
-use crate::load::object::Object;
-use crate::load::place::{NormalsMode, Transform, origin_for, place, rename_materials};
+use crate::load::object::{MOST_COPIED, Object, Part};
+use crate::load::place::{NormalsMode, Transform, origin_for, place};
 use crate::load::scene_file::MeshPlan;
 use crate::load::texture::Slot;
 use crate::load::{Options, cancelled};
 use crate::math::{DVec3, Rgb};
-use crate::shape::{Bounds64, FaceMaterials, Instance, Instances, Mesh, Stage};
+use crate::shape::{Bounds64, Instance, Instances, Mesh, Stage};
 use glam::DAffine3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// Copies beyond a mesh's first may have so many triangles together (about 200 MB with their structure) before instances
-/// take their place: one level is traced faster than two.
-const MOST_COPIED: u64 = 1 << 20;
 
 /// Where a file's mesh stands, and how.
 pub struct Placement {
@@ -62,9 +59,14 @@ pub fn scene_origin(placements: &[Placement], objects: &[Option<Object>], time: 
     {
         return *first;
     }
-    let bounds: Vec<_> = objects.iter().map(|o| o.as_ref().map(|o| (o.mesh.bounds(), o.origin))).collect();
+    let parts = |o: &Object| o.parts.iter().fold(Bounds64::EMPTY, |sum, part| sum.union(&part.bounds()));
+    let bounds = objects.iter().map(|o| o.as_ref().map(|o| (o.mesh.bounds(), o.origin, parts(o))));
+    let bounds: Vec<_> = bounds.collect();
     let extent = placements.iter().fold(Bounds64::EMPTY, |sum, p| match bounds.get(p.file) {
-        Some(Some((bounds, origin))) => sum.union(&p.at(time).extent(bounds, *origin)),
+        Some(Some((bounds, origin, parts))) => {
+            let transform = p.at(time);
+            sum.union(&transform.extent(bounds, *origin)).union(&parts.moved(&transform.affine()))
+        }
         _ => sum,
     });
     origin_for(&extent)
@@ -138,10 +140,7 @@ impl<'a> Stock<'a> {
         let taken = if *left == 0 { slot.take().map(|o| (o.mesh, o.origin)) } else { None };
         let own = taken.or_else(|| slot.as_ref().map(|o| (o.mesh.clone(), o.origin)));
         let (mut mesh, from) = own.ok_or_else(gone)?;
-        match &p.choice {
-            Choice::One(id) => mesh.materials = FaceMaterials::Uniform(*id),
-            Choice::ByFile(ids) => rename_materials(&mut mesh, ids),
-        }
+        p.choice.dress(&mut mesh);
         Ok((mesh, from))
     }
 
@@ -160,6 +159,8 @@ pub fn place_all(
     options: &Options<'_>,
 ) -> Result<(Vec<Arc<Mesh>>, Instances)> {
     let is_instance = instanced(placements, stock.objects, stock.specs);
+    let parts = stock.objects.iter_mut().map(|o| o.as_mut().map(|o| std::mem::take(&mut o.parts)));
+    let mut parts: Vec<Vec<Part>> = parts.map(Option::unwrap_or_default).collect();
     let ranks = |which: bool| {
         let all = placements.iter().zip(&is_instance).enumerate();
         all.filter(move |(_, (_, is))| **is == which).map(|(i, (p, _))| (i, p))
@@ -196,6 +197,16 @@ pub fn place_all(
         let stages = [Stage::Fixed(first)].into_iter().chain(p.course.iter().cloned());
         let stages = stages.chain([Stage::Fixed(last)]).collect();
         instances.places.push(Instance::new(*mesh as u32, *material, stages));
+    }
+    let mut by_file: BTreeMap<usize, Vec<(usize, &Placement)>> = BTreeMap::new();
+    for (i, p) in placements.iter().enumerate().filter(|(_, p)| !parts[p.file].is_empty()) {
+        by_file.entry(p.file).or_default().push((i, p));
+    }
+    for (file, placements) in by_file {
+        go_on()?;
+        let (first, parts) = (placements[0].0, std::mem::take(&mut parts[file]));
+        place_parts(parts, placements.iter().map(|(_, p)| *p), stock.origin, &mut instances)
+            .map_err(|e| blame(first, e))?;
     }
     Ok((meshes, instances))
 }

@@ -11,6 +11,7 @@ mod material;
 mod nodes;
 mod pictures;
 mod primitive;
+mod shared;
 mod skin;
 #[cfg(test)]
 mod tests;
@@ -18,15 +19,19 @@ mod tests;
 use super::format::{Format, Reading};
 use super::input::{Input, Share};
 use super::obj::builder::Builder;
-use super::object::Object;
-use crate::error::{Error, Finding, Findings, Result, Severity};
+use super::obj::{ObjFile, ReadOptions};
+use super::object::{Object, Part};
+use super::place::rename_materials;
+use crate::error::{Finding, Findings, Result, Severity};
+use crate::math::DMat4;
 use accessor::Accessor;
+use glam::DAffine3;
 use item::Item;
 use material::Materials;
 use nodes::Nodes;
 use primitive::Primitive;
-use skin::Skin;
-use std::collections::HashMap;
+use shared::{Room, Shown};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -53,7 +58,7 @@ const EXTENSIONS: [&str; 7] = [
     "MSFT_texture_dds",
 ];
 
-/// Nodes that show a mesh again copy it. A file of a few bytes must not fill the memory with copies: no more vertices
+/// Nodes that show a mesh again copy it, or share it where that saves much. A file of a few bytes must not fill the memory with copies: no more vertices
 /// than this, or than [`COPIES_A_BYTE`] for each byte of its buffers if that is more.
 const MOST_COPIED: u64 = 1 << 26;
 
@@ -89,18 +94,14 @@ fn read(input: Input<'_>, reading: &Reading<'_>) -> Result<Object> {
     let nodes = Nodes::of(&document.root)?;
     let mut findings = Findings::default();
     let materials = Materials::of(&document, reading.reach, &mut findings)?;
-    let mut builder = Builder::new(file, &reading.options, false, Share::Always(1.0));
-    let mut meshes =
-        Meshes { document: &document, materials: &materials, builder: &mut builder, left_out: 0 };
-    meshes.add_all(&nodes, reading.options.max_elements)?;
-    if meshes.left_out > 0 {
-        let message =
-            format!("{} primitives of points, lines or without positions are not rendered", meshes.left_out);
+    let mut meshes = Meshes::new(&document, &materials, reading);
+    meshes.add_all(&nodes)?;
+    let left_out = meshes.left_out;
+    if left_out > 0 {
+        let message = format!("{left_out} primitives of points, lines or without positions are not rendered");
         findings.push(finding(file, "points-and-lines-ignored", Severity::Note, message));
     }
-    let read = builder.finish(0, findings)?;
-    let specs = read.material_names.iter().map(|name| materials.spec(name)).collect();
-    let mut object = Object::of_mesh(read, specs);
+    let mut object = meshes.finish(findings)?;
     object.camera = lights::camera(&document.root, &nodes)?;
     object.lights = lights::lights(&document.root, &nodes)?;
     Ok(object)
@@ -133,70 +134,107 @@ fn check_version(root: &Item<'_>) -> Result<()> {
 struct Meshes<'m, 'd> {
     document: &'m Document<'d>,
     materials: &'m Materials,
-    builder: &'m mut Builder<'d>,
+    reading: &'m Reading<'m>,
+    /// What stands once, or is copied to its places.
+    whole: Builder<'m>,
+    /// What is kept once, and its places.
+    parts: Vec<(ObjFile, Vec<DMat4>)>,
     left_out: u64,
 }
 
-impl Meshes<'_, '_> {
-    fn add_all(&mut self, nodes: &Nodes<'_>, most: u64) -> Result<()> {
-        let root = &self.document.root;
+impl<'m, 'd> Meshes<'m, 'd> {
+    fn new(document: &'m Document<'d>, materials: &'m Materials, reading: &'m Reading<'m>) -> Self {
+        let whole = Builder::new(document.file, &reading.options, false, Share::Always(1.0));
+        Meshes { document, materials, reading, whole, parts: Vec::new(), left_out: 0 }
+    }
+
+    fn add_all(&mut self, nodes: &Nodes<'d>) -> Result<()> {
         let bytes: u64 = self.document.buffers.iter().map(|buffer| buffer.len() as u64).sum();
+        let most = self.reading.options.max_elements;
         let most = most.min(MOST_COPIED.max(bytes.saturating_mul(COPIES_A_BYTE)));
-        let file = self.document.file;
-        let mut total = 0u64;
-        let mut count = |vertices: u64| {
-            total = total.saturating_add(vertices);
-            if total <= most {
-                return Ok(());
+        let mut room = Room { taken: 0, most, file: self.document.file };
+        let all = Shown::all(self.document, nodes, &mut room)?;
+        let mut shared = Shown::shared(&all, self.document, self.reading.most_copied);
+        let mut firsts = BTreeMap::new();
+        for shown in &all {
+            if let Some(places) = shown.joins(&mut shared) {
+                places.extend(&shown.places);
+                firsts.entry(shown.mesh).or_insert(shown);
+                continue;
             }
-            let error = format!("its nodes show meshes again and again, with more than {most} vertices");
-            Err(Error::new(error).at(file).advise("split it, or place its mesh in a scene file"))
-        };
-        let mut skins: HashMap<usize, Arc<Skin>> = HashMap::new();
-        for placed in &nodes.placed {
-            let Some(mesh) = placed.node.index("mesh")? else { continue };
-            let mesh = root.at("meshes", mesh)?;
-            let skin = match placed.node.index("skin")? {
-                None => None,
-                Some(index) => Some(match skins.get(&index) {
-                    Some(skin) => skin.clone(),
-                    None => {
-                        let skin = Arc::new(Skin::of(self.document, nodes, index)?);
-                        skins.insert(index, skin.clone());
-                        skin
-                    }
-                }),
-            };
-            let copies = nodes::copies(root, &placed.node, &self.document.buffers)?;
-            // Places take time as well, be there vertices or not.
-            count(copies.len() as u64)?;
-            let weights = if placed.node.get("weights").is_some() { &placed.node } else { &mesh };
-            let weights: Vec<f64> = weights.list("weights").filter_map(|w| w.value.as_f64()).collect();
-            for item in mesh.list("primitives") {
-                let Some(primitive) = self.primitive(&item, &weights)? else {
-                    self.left_out += 1;
-                    continue;
-                };
-                count(primitive.size().saturating_mul(copies.len() as u64))?;
-                for copy in &copies {
-                    primitive.add(&(placed.matrix * *copy), skin.as_deref(), self.builder)?;
+            for (material, primitive) in self.primitives(shown)? {
+                room.take(primitive.size().saturating_mul(shown.places.len() as u64))?;
+                self.whole.material(&material)?;
+                for place in &shown.places {
+                    primitive.add(place, shown.skin.as_deref(), &mut self.whole)?;
                 }
             }
+        }
+        for ((_, shown), (_, mut places)) in firsts.into_iter().zip(shared) {
+            let primitives = self.primitives(shown)?;
+            // A file is a mesh, and has parts besides; so one place is a copy where there is nothing else.
+            if self.whole.counts()[0] == 0
+                && let Some(place) = places.pop()
+            {
+                for (material, primitive) in &primitives {
+                    self.whole.material(material)?;
+                    primitive.add(&place, None, &mut self.whole)?;
+                }
+            }
+            let options = ReadOptions { keep_empty: true, ..self.reading.options };
+            let mut builder = Builder::new(self.document.file, &options, false, Share::Always(1.0));
+            for (material, primitive) in primitives {
+                builder.material(&material)?;
+                primitive.add(&DMat4::IDENTITY, None, &mut builder)?;
+            }
+            self.parts.push((builder.finish(0, Findings::default())?, places));
         }
         Ok(())
     }
 
-    fn primitive(&mut self, item: &Item<'_>, weights: &[f64]) -> Result<Option<Primitive>> {
-        let material = item.index("material")?;
-        if let Some(index) = material {
-            self.document.root.at("materials", index)?;
+    /// The primitives of a mesh, each with the name of its material.
+    fn primitives(&mut self, shown: &Shown<'d>) -> Result<Vec<(Vec<u8>, Primitive)>> {
+        let mut all = Vec::new();
+        for item in shown.item.list("primitives") {
+            let material = item.index("material")?;
+            if let Some(index) = material {
+                self.document.root.at("materials", index)?;
+            }
+            let (uv_set, uv_transform) = self.materials.coordinates(material);
+            let primitive = Primitive::of(&item, self.document, uv_set, uv_transform, &shown.weights)?;
+            if item.extension("KHR_draco_mesh_compression").is_some() {
+                return Err(item.error("is compressed with Draco").advise(DECODE_FIRST));
+            }
+            match primitive {
+                Some(primitive) => all.push((Materials::key(material), primitive)),
+                None => self.left_out += 1,
+            }
         }
-        self.builder.material(&Materials::key(material))?;
-        let (uv_set, uv_transform) = self.materials.coordinates(material);
-        let primitive = Primitive::of(item, self.document, uv_set, uv_transform, weights)?;
-        if item.extension("KHR_draco_mesh_compression").is_some() {
-            return Err(item.error("is compressed with Draco").advise(DECODE_FIRST));
+        Ok(all)
+    }
+
+    /// The mesh and the parts, with their materials.
+    fn finish(self, findings: Findings) -> Result<Object> {
+        let mut whole = self.whole.finish(0, findings)?;
+        let mut names = std::mem::take(&mut whole.material_names);
+        let mut parts = Vec::new();
+        for (read, places) in self.parts.into_iter().filter(|(read, _)| !read.mesh.indices.is_empty()) {
+            let id = |name: Vec<u8>| match names.iter().position(|known| *known == name) {
+                Some(id) => id as u32,
+                None => {
+                    names.push(name);
+                    (names.len() - 1) as u32
+                }
+            };
+            let ids: Vec<u32> = read.material_names.into_iter().map(id).collect();
+            let mut mesh = read.mesh;
+            rename_materials(&mut mesh, &ids);
+            whole.findings.append(read.findings);
+            whole.counts.triangles += read.counts.triangles * places.len() as u64;
+            let places = places.iter().map(|place| DAffine3::from_mat4(*place)).collect();
+            parts.push(Part { mesh, origin: read.origin, places });
         }
-        Ok(primitive)
+        let specs = names.iter().map(|name| self.materials.spec(name)).collect();
+        Ok(Object { parts, ..Object::of_mesh(whole, specs) })
     }
 }

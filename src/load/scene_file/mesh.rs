@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// More meshes in their places than this are taken for a mistake.
-const MOST_PLACES: usize = 10_000_000;
+pub(crate) const MOST_PLACES: usize = 10_000_000;
 
 /// A mesh in one of its places, as the scene file says it.
 #[derive(Clone)]

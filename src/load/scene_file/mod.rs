@@ -22,7 +22,7 @@ pub use overrides::Override;
 
 pub(crate) use light::LightPlan;
 pub(crate) use material::MaterialPatch;
-pub(crate) use mesh::MeshPlan;
+pub(crate) use mesh::{MOST_PLACES, MeshPlan};
 pub(crate) use reader::Field;
 pub(crate) use tree::Entries;
 
