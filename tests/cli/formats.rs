@@ -413,7 +413,12 @@ fn a_mesh_that_gltf_nodes_repeat_is_kept_once() {
         let differ =
             once.iter().zip(&each).filter(|(a, b)| (0..3).any(|c| (a[c] - b[c]).abs() > 1e-3 + 0.01 * b[c]));
         let differ = differ.count();
-        assert!(differ < 20, "{more}: {differ} of {} pixels differ", once.len());
+        // Corners are rounded in other places, and a few samples go other ways.
+        assert!(differ < once.len() / 25, "{more}: {differ} of {} pixels differ", once.len());
+        let mean =
+            |image: &[[f32; 3]]| image.iter().map(|p| f64::from(p[1])).sum::<f64>() / image.len() as f64;
+        let ratio = mean(&once) / mean(&each);
+        assert!((ratio - 1.0).abs() < 5e-4, "{more}: {ratio} of the brightness");
         assert!(once.iter().any(|p| p[0] > 1.1), "{more}: nothing is lit by the sun");
     }
     // Where all could be kept once, one place is that mesh.
