@@ -92,6 +92,46 @@ fn inject(dir: &Path, log: &Path, call: &str, only: &str, error: &str, k: usize)
     log.contains("(INJECTED)")
 }
 
+/// D5: killed as it enters whichever call with which outputs are written, each is old or whole, and the next run leaves
+/// no temporary file.
+#[test]
+fn d5_killed_at_every_call_that_writes() {
+    let folder = folder();
+    let dir = folder.path();
+    let beside = tempfile::TempDir::new().unwrap();
+    let log = beside.path().join("log");
+    if !may_trace(&log) {
+        return;
+    }
+    let words = words(&["--backend", "bvh", "--threads", "1"]);
+    let mut kills = 0;
+    for call in ["write", "fsync", "ftruncate", "fchmod", "/^rename", "/^link", "/^unlink", "close"] {
+        for k in 1..=if heavy() { 1000 } else { 3 } {
+            old_outputs(dir);
+            let mut command = Command::new("strace");
+            command.args(["-f", "-qq", "-o"]).arg(&log).args(["-e", &format!("trace={call}")]);
+            command.args(["-e", &format!("inject={call}:signal=SIGKILL:when={k}")]);
+            let program = assert_cmd::cargo::cargo_bin("drt");
+            let status = command.arg(program).args(&words).current_dir(dir).status().unwrap();
+            if status.success() {
+                break;
+            }
+            kills += 1;
+            for picture in ["x.exr", "y.png"] {
+                let read = drt::load::picture::read(&dir.join(picture));
+                assert!(read.is_ok(), "{call} {k}: {picture}: {:?}", read.err());
+            }
+            let stats = fs::read(dir.join("z.json")).unwrap();
+            assert!(serde_json::from_slice::<serde_json::Value>(&stats).is_ok(), "{call} {k}: {stats:?}");
+            super::drt(dir, &words).expect(0, &[]);
+            let left = names(dir).into_iter().find(|name| name.starts_with(".drt-"));
+            assert_eq!(left, None, "{call} {k}: left after the next run");
+        }
+    }
+    eprintln!("{kills} kills");
+    assert!(kills > 10, "only {kills} kills");
+}
+
 /// D7: under any limit of the address space from 256 MB up it ends with 0 or 1, and says why.
 #[test]
 fn d7_any_limit_of_memory() {

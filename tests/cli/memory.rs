@@ -97,3 +97,29 @@ fn d7_at_any_limit_the_program_ends_with_0_or_1() {
         assert_eq!(code(4000), Some(0), "{engine:?}");
     }
 }
+
+/// Row D12: the peak grows with the triangles, evenly: nowhere a cliff. `DRT_HEAVY_TESTS=1` goes to ten million.
+#[test]
+fn d12_peak_memory_is_linear_in_the_triangles() {
+    let heavy = std::env::var_os("DRT_HEAVY_TESTS").is_some_and(|v| v == "1");
+    let sides: &[usize] = if heavy { &[225, 707, 1304, 2225] } else { &[225, 707, 1000] };
+    for engine in engines() {
+        let peaks: Vec<[f64; 2]> =
+            sides.iter().map(|side| [2.0 * (side * side) as f64, peak(*side, &engine)]).collect();
+        let slopes: Vec<f64> = peaks.windows(2).map(|p| (p[1][1] - p[0][1]) / (p[1][0] - p[0][0])).collect();
+        eprintln!("{engine:?}: bytes a triangle {slopes:.0?}");
+        assert!(slopes.iter().all(|slope| *slope > 30.0 && *slope < 170.0), "{engine:?}: {slopes:?}");
+        let (least, most) = slopes.iter().fold((f64::MAX, 0.0f64), |(a, b), s| (a.min(*s), b.max(*s)));
+        assert!(most < 1.5 * least, "{engine:?}: {slopes:?}");
+    }
+}
+
+/// The most memory that a render of `terrain` takes.
+fn peak(side: usize, engine: &[&str]) -> f64 {
+    let folder = folder();
+    let dir = folder.path();
+    terrain(dir, side);
+    drt(dir, &[&["large.obj", "--stats", "s.json"], TINY.as_slice(), engine].concat()).expect(0, &[]);
+    let stats: serde_json::Value = serde_json::from_slice(&fs::read(dir.join("s.json")).unwrap()).unwrap();
+    stats["peak_rss_bytes"].as_f64().unwrap()
+}
