@@ -7,7 +7,6 @@ mkdir -p "fuzz/corpus/$target"
 # What is fuzzed is what is built: the same versions of everything.
 [ -e fuzz/Cargo.lock ] || cp Cargo.lock fuzz/Cargo.lock
 # No address sanitizer: the readers and the hierarchy's builder are safe Rust, and run five times as fast without.
-# One thread: the pool would trace in an order of its own, and coverage would be noise.
-RAYON_NUM_THREADS=1 exec cargo +nightly fuzz run --sanitizer none "$target" \
+exec cargo +nightly fuzz run --sanitizer none "$target" \
   "fuzz/corpus/$target" "fuzz/seeds/$target" -- \
   -runs="$executions" -timeout=20 -rss_limit_mb=3000 -max_len=8192 -print_final_stats=1

@@ -1,3 +1,3 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| drt_fuzz::scene_toml::run(data));
+libfuzzer_sys::fuzz_target!(init: drt_fuzz::alone(), |data: &[u8]| drt_fuzz::scene_toml::run(data));

@@ -34,6 +34,12 @@ pub const TARGETS: [(&str, Target); 11] = [
     ("bvh", bvh::run),
 ];
 
+/// Makes the calling thread the only one of the pool: handing over to another takes longer than most runs.
+pub fn alone() {
+    // It fails where there is a pool already, which is as right.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
+}
+
 /// A picture of one white pixel.
 const PICTURE: &[u8] = b"PF\n1 1\n-1\n\0\0\x80\x3f\0\0\x80\x3f\0\0\x80\x3f";
 

@@ -114,13 +114,15 @@ impl<'a> Input<'a> {
     /// # Errors
     /// The system's reason; more bytes; not enough memory; cancelled.
     pub fn read_all(mut self, most: u64, progress: ReadingProgress<'_>) -> Result<Vec<u8>> {
-        const STEP: u64 = 16 << 20;
+        // As much again as there is, so that small files take little.
+        const STEPS: [u64; 2] = [64 << 10, 16 << 20];
         let mut bytes = Vec::new();
         loop {
             if !progress(self.share.now()) {
                 return Err(super::cancelled());
             }
-            let step = STEP.min(most.saturating_add(1).saturating_sub(bytes.len() as u64));
+            let read = bytes.len() as u64;
+            let step = read.clamp(STEPS[0], STEPS[1]).min(most.saturating_add(1).saturating_sub(read));
             bytes.try_reserve(step as usize).map_err(|_| no_memory(self.name))?;
             match self.reader.by_ref().take(step).read_to_end(&mut bytes) {
                 Ok(0) => return Ok(bytes),

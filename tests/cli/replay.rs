@@ -1,5 +1,7 @@
 //! The fuzz targets' own functions, on their seeds and on everything that was ever found (`fuzz/README.md`).
 
+// What only the targets call is there as well.
+#[allow(dead_code)]
 #[path = "../../fuzz/src/lib.rs"]
 mod targets;
 

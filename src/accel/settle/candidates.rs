@@ -107,7 +107,7 @@ pub(super) fn hiding(ray: &Ray64, aimed: &Aimed, found: &Candidate, around: &Aro
     let met = |other: &Candidate| {
         let m = Measure::of(moved, other.corners)?;
         let hides = m.inset >= 0.0 && moved.tmin <= m.t && m.t <= moved.tmax && m.t < own.t;
-        if !hides {
+        if !hides || starts_in_plane(ray, &other.corners) {
             return None;
         }
         let there = match Measure::of(ray, other.corners).filter(|m| m.inset >= 0.0) {
@@ -126,6 +126,14 @@ pub(super) fn hiding(ray: &Ray64, aimed: &Aimed, found: &Candidate, around: &Aro
     let nearest =
         around.triangles.iter().filter(|other| other.ids != found.ids).filter_map(met).min_by(order)?;
     Some(nearest.1)
+}
+
+/// Whether a ray starts in the plane of a triangle. A moved one, which starts there too, meets that plane nowhere else: a
+/// triangle around the start is met at the start, and hides nothing of what lies on.
+fn starts_in_plane(ray: &Ray64, corners: &[DVec3; 3]) -> bool {
+    let [a, b, c] = *corners;
+    let n = (b - a).cross(c - a);
+    n.dot(ray.o - a).abs() <= rounding(ray, corners) * n.length()
 }
 
 /// Whether the ray's line comes within `reach` of a triangle's box: seen along the ray, that is a hexagon, passed outside
