@@ -89,24 +89,53 @@ fn nothing_behind_the_triangles_around_is_taken() {
     nobody_is_wrong(mesh, &[(o, Vec3::new(-50.291595, 595.1253, -543.71094), 0.0, f32::INFINITY)]);
 }
 
-/// A ray past the tip of a pair of tiny triangles, both seen edge-on: next to the one that Embree meets first lies the other,
-/// so that a step aside finds nothing better. What both hide is clearly met.
+/// A ray past the tips of tiny triangles in a row, all seen edge-on: next to the one that Embree meets first lies another,
+/// and so on, so that a step aside finds nothing better. What they hide is clearly met.
 #[test]
-fn a_pair_of_tiny_triangles_seen_edge_on_hides_nothing() {
+fn a_row_of_tiny_triangles_seen_edge_on_hides_nothing() {
     let corners = [
         [-0.398769, 0.581086, 0.704199],
         [-0.401392, 0.580482, 0.704062],
         [-0.398785, 0.57813, 0.704227],
+        [0.014775, 0.030854, -0.013384],
+        [0.014693, 0.03086, -0.013429],
         [0.014684, 0.03086, -0.013434],
         [0.014675, 0.030861, -0.013439],
+        [0.014666, 0.030861, -0.013444],
+        [0.014657, 0.030862, -0.013449],
+        [0.014648, 0.030862, -0.013455],
+        [0.014639, 0.030862, -0.01346],
+        [0.016059, 0.029054, -0.01579],
+        [0.016056, 0.029054, -0.015791],
+        [0.016037, 0.029052, -0.015802],
         [0.016035, 0.029052, -0.015803],
         [0.016032, 0.029051, -0.015804],
         [0.01603, 0.029051, -0.015806],
+        [0.016028, 0.029051, -0.015807],
+        [0.016025, 0.029051, -0.015808],
+        [0.016023, 0.02905, -0.01581],
     ];
-    let mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [3, 6, 5], [4, 7, 6]]);
+    let all = vec![
+        [0, 1, 2],
+        [3, 12, 11],
+        [4, 14, 13],
+        [4, 5, 14],
+        [5, 15, 14],
+        [5, 6, 15],
+        [6, 16, 15],
+        [6, 7, 16],
+        [7, 8, 17],
+        [8, 18, 17],
+        [8, 9, 18],
+        [9, 19, 18],
+        [9, 10, 19],
+    ];
+    let pair = vec![all[0], all[4], all[6]];
     let o = Vec3::new(0.42000392, -0.50785553, -0.7167717);
     let d = Vec3::new(-0.41604647, 0.55294895, 0.7219091);
-    nobody_is_wrong(mesh, &[(o, d, 0.0, f32::INFINITY)]);
+    for triangles in [pair, all] {
+        nobody_is_wrong(Mesh::new(corners.to_vec(), triangles), &[(o, d, 0.0, f32::INFINITY)]);
+    }
 }
 
 /// Packets and single rays, every instruction set and quality, against f64.

@@ -20,8 +20,8 @@ const ASIDE: f64 = 8.0;
 /// how many it may be passed by to be met.
 const EDGE_ON: f64 = 16.0;
 
-/// How often it is asked again behind neighbours that are seen edge-on.
-const AGAIN: usize = 4;
+/// How often it is asked again behind neighbours that are seen edge-on: a strip of tiny triangles has as many in a row.
+const AGAIN: usize = 64;
 
 /// Puts things right where the backend's hit was `first`, and that is seen edge-on. The hit is `last` by now: it goes if it
 /// is seen edge-on as well and not met, and what lies in front of it beside `first` takes its place.
