@@ -1,4 +1,4 @@
-//! docs/notes.md: every equation and section of the notes has its row, and every command in it runs.
+//! docs/scene-file.md names every key that the program knows. docs/notes.md: every equation and section of the notes has its row, and every command in it runs.
 
 use crate::folder;
 use std::path::Path;
@@ -66,4 +66,42 @@ fn pictures_are_there_and_small() {
         let bytes = std::fs::metadata(root().join("docs/pictures").join(file)).unwrap().len();
         assert!(bytes > 0 && bytes < 200_000, "{file}: {bytes} bytes");
     }
+}
+
+/// The program is asked for the keys it knows in each section, by one that it does not.
+#[test]
+fn every_key_of_a_scene_file_is_documented() {
+    let text = std::fs::read_to_string(root().join("docs/scene-file.md")).unwrap();
+    let folder = folder();
+    let sections = [
+        ("## `[camera]`", "[camera]\nzzzzzz = 1\n"),
+        ("## `[film]`", "[film]\nzzzzzz = 1\n"),
+        ("## `[render]`", "[render]\nzzzzzz = 1\n"),
+        ("## `[[mesh]]`", "[[mesh]]\nfile = \"t.obj\"\nzzzzzz = 1\n"),
+        ("# Scene files", "zzzzzz = 1\n"),
+    ];
+    for (heading, scene) in sections {
+        let told = text.split(&format!("{heading}\n")).nth(1).unwrap_or_else(|| panic!("{heading}"));
+        let told = told.split("\n## ").next().unwrap();
+        std::fs::write(folder.path().join("z.toml"), scene).unwrap();
+        let ended = crate::drt(folder.path(), &["z.toml"]);
+        ended.expect(1, &["unknown key", "; known: "]);
+        let known: Vec<&str> = ended.err.trim().split("; known: ").nth(1).unwrap().split(", ").collect();
+        assert!(known.len() > 5, "{known:?}");
+        for key in known {
+            let forms = [format!("`{key}`"), format!("[{key}]"), format!("[{key}."), format!("[[{key}")];
+            assert!(forms.iter().any(|form| told.contains(form)), "{heading} does not name {key}");
+        }
+    }
+}
+
+/// The scene that the page begins with renders.
+#[test]
+fn the_scene_of_the_page_renders() {
+    let text = std::fs::read_to_string(root().join("docs/scene-file.md")).unwrap();
+    let scene = text.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
+    let folder = folder();
+    std::fs::copy(folder.path().join("t.obj"), folder.path().join("bunny.obj")).unwrap();
+    std::fs::write(folder.path().join("page.toml"), scene).unwrap();
+    crate::drt(folder.path(), &["page.toml", "--spp", "1", "-q"]).expect(0, &[]);
 }
