@@ -52,7 +52,9 @@ pub(super) fn look_beside(
             break;
         }
         for (i, end) in ends.into_iter().enumerate() {
-            pair.tmin[i] = end.map_or(pair.tmin[i], |end| pair.tmin[i].max((end as f32).next_up()));
+            // The hit may be said to be anywhere, and nothing else is met before it.
+            let behind = |end: f64| (end as f32).max(answers.t[i]).max(pair.tmin[i]).next_up();
+            pair.tmin[i] = end.map_or(pair.tmin[i], behind);
         }
         let Some(next) = triangles.ask(&pair, BOTH) else { break };
         answers = next;
