@@ -54,12 +54,10 @@ impl Splits {
     /// then those that its samples get later (branches from `n + 1`), then those of the other samples.
     #[inline(always)]
     pub fn number(self, index: u32, branch: u32) -> u64 {
-        let (Splits::Each(n) | Splits::Later(n)) = self;
-        let (n, index, branch) = (u64::from(n), u64::from(index), u64::from(branch));
-        if branch > n {
-            u64::from(PREVIEW) + (n - 1) * index + (branch - n - 1)
-        } else {
-            n * index + branch - 1
+        let (n, index, branch) = (u64::from(self.most()), u64::from(index), u64::from(branch));
+        match self {
+            Splits::Later(_) if branch > n => u64::from(PREVIEW) + (n - 1) * index + (branch - n - 1),
+            _ => n * index + branch - 1,
         }
     }
 

@@ -74,7 +74,7 @@ impl Scene {
         camera || self.instances.places.iter().any(|place| !place.rests(shutter))
     }
 
-    /// Whether there are lamps, and more than a single square, whose edges a pixel may see.
+    /// Whether there are lamps, and more than a single square at rest, whose edges a pixel may see.
     pub fn has_lamps(&self) -> bool {
         let shines =
             |id: u32| self.materials.get(id as usize).is_some_and(|material| material.emission != Rgb::ZERO);
@@ -83,9 +83,13 @@ impl Scene {
             FaceMaterials::Uniform(_) => 0,
             FaceMaterials::PerFace(ids) => ids.iter().filter(|id| shines(**id)).count(),
         };
-        let given = self.instances.places.iter().any(|place| place.material.is_some_and(shines));
+        let instances = &self.instances;
+        let shown: Vec<bool> = instances.meshes.iter().map(|mesh| lamps(mesh) > 0).collect();
+        let placed = |place: &Instance| {
+            place.material.map_or_else(|| shown.get(place.mesh as usize).is_some_and(|s| *s), shines)
+        };
         let balls = self.lights.iter().any(|light| matches!(light, Light::Sphere(_)));
-        balls || given || self.all_meshes().map(lamps).sum::<usize>() > 2
+        balls || instances.places.iter().any(placed) || self.meshes.iter().map(lamps).sum::<usize>() > 2
     }
 
     /// What building over it and rendering it will take in memory.

@@ -145,3 +145,26 @@ fn samples_of_a_preview_get_their_paths_later() {
         }
     });
 }
+
+/// Between a floor and a ceiling: also the directions at the second and third hit are new ones for each sample.
+#[test]
+fn every_sample_of_the_notes_recursion_has_directions_of_its_own() {
+    let square = |z: f64| vec![[-1.0, -1.0, z], [2.0, -1.0, z], [2.0, 2.0, z], [-1.0, 2.0, z]];
+    let toml = pixel("reflectance = 0.9\n[[light]]\ntype = \"environment\"\n")
+        .replace("position = [0.5, 0.5, 5]", "position = [0.5, 0.5, 0.9]")
+        .replace("max_depth = 1", "max_depth = 4\nlights = \"bsdf\"");
+    let recursion = "render.integrator={ type = \"distribution\", rule = \"random\", directions = [2, 1] }";
+    on_every_backend(|backend| {
+        let files = [("m.obj", obj(&[square(0.0), square(1.0)]))];
+        let stage = stage(&toml, &files, backend, &[recursion]);
+        let values = |spp| -> Vec<f64> {
+            let value = |seed| {
+                let (image, _) = stage.render(|s| (s.seed, s.spp) = (seed, spp));
+                f64::from(image.f32_channel("G").unwrap()[0])
+            };
+            (0..200).map(value).collect()
+        };
+        let [few, many] = [4, 64].map(|spp| crate::harness::Statistics::of(&values(spp)).error);
+        assert!(many < 0.35 * few, "{many} after 64 samples, {few} after 4");
+    });
+}

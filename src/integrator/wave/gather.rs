@@ -53,7 +53,8 @@ pub fn batch<B: Scatter + Clone>(
         (branch[lane], slot[lane], ids[lane]) = (path.branch[at], path.slot[at], [id, triangle]);
         let Slot { key, time: when, .. } = traced.slots[slot[lane] as usize];
         time[lane] = when;
-        keys.set(lane, cx.branched(key, branch[lane]));
+        // Integrators that do not split number their branches by themselves.
+        keys.set(lane, if cx.splits.most() > 1 { cx.branched(key, branch[lane]) } else { key });
         material[lane] = cx.material(id, triangle);
         part[lane] = cx.part(material[lane], key, depth, branch[lane]);
     }

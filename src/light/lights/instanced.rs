@@ -79,22 +79,22 @@ impl Lights {
         bounds: &mut Vec<LightBounds>,
     ) {
         let shines = |id: u32| self.emissions.get(id as usize).is_some_and(|e| luminance(e.radiance) > 0.0);
-        let mut by_own = BTreeMap::new();
         if !(0..self.emissions.len() as u32).any(shines) {
             return;
         }
+        // Looked for once a mesh, however many places it has: all of its triangles, and those that shine by themselves.
+        let (mut all, mut own) = (BTreeMap::new(), BTreeMap::new());
         let mut triangles_of = |place: &Instance| {
             let mesh = &instances.meshes[place.mesh as usize];
-            let all = 0..mesh.indices.len() as u32;
-            match place.material {
-                Some(id) if shines(id) => Arc::new(all.collect()),
-                Some(_) => Arc::default(),
-                // Looked for once a mesh, however many places it has.
-                None => {
-                    let own = || Arc::new(all.filter(|t| shines(mesh.materials.get(*t as usize))).collect());
-                    Arc::clone(by_own.entry(place.mesh).or_insert_with(own))
-                }
-            }
+            let triangles = 0..mesh.indices.len() as u32;
+            let list = match place.material {
+                Some(id) if !shines(id) => return Arc::default(),
+                Some(_) => all.entry(place.mesh).or_insert_with(|| Arc::new(triangles.collect())),
+                None => own.entry(place.mesh).or_insert_with(|| {
+                    Arc::new(triangles.filter(|t| shines(mesh.materials.get(*t as usize))).collect())
+                }),
+            };
+            Arc::clone(list)
         };
         let found: Vec<Arc<Vec<u32>>> = instances.places.iter().map(&mut triangles_of).collect();
         let count = found.iter().map(|triangles| triangles.len()).fold(0, usize::saturating_add);

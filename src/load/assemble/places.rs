@@ -2,7 +2,7 @@
 //!
 //! What stands once and at rest is worked into the scene's coordinates, which is fastest. What moves is an instance, and
 //! so is what stands in several places where copies would take much memory. Meshes that emit light and are at rest
-//! are always copies: light sampling knows their triangles by their places.
+//! are copies, whose light samples are the cheapest; but those that a file itself shows again and again are not.
 
 use super::palette::Choice;
 use super::parts::place_parts;

@@ -31,7 +31,7 @@ use material::Materials;
 use nodes::Nodes;
 use primitive::Primitive;
 use shared::{Room, Shown};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -58,8 +58,8 @@ const EXTENSIONS: [&str; 7] = [
     "MSFT_texture_dds",
 ];
 
-/// Nodes that show a mesh again copy it, or share it where that saves much. A file of a few bytes must not fill the memory with copies: no more vertices
-/// than this, or than [`COPIES_A_BYTE`] for each byte of its buffers if that is more.
+/// Nodes that show a mesh again copy it, or share it where that saves much. A file of a few bytes must not fill the memory
+/// with copies: no more vertices than this, or than [`COPIES_A_BYTE`] for each byte of its buffers if that is more.
 const MOST_COPIED: u64 = 1 << 26;
 
 /// See [`MOST_COPIED`]: a vertex takes some twenty bytes, so that is hundreds of copies of everything.
@@ -162,8 +162,9 @@ impl<'m, 'd> Meshes<'m, 'd> {
                 firsts.entry(shown.mesh).or_insert(shown);
                 continue;
             }
-            for (material, primitive) in self.primitives(shown)? {
-                room.take(primitive.size().saturating_mul(shown.places.len() as u64))?;
+            let further = (shown.places.len() as u64).saturating_sub(1);
+            for (material, primitive) in self.primitives(shown, &mut room)? {
+                room.take(primitive.size().saturating_mul(further))?;
                 self.whole.material(&material)?;
                 for place in &shown.places {
                     primitive.add(place, shown.skin.as_deref(), &mut self.whole)?;
@@ -171,12 +172,13 @@ impl<'m, 'd> Meshes<'m, 'd> {
             }
         }
         for ((_, shown), (_, mut places)) in firsts.into_iter().zip(shared) {
-            let primitives = self.primitives(shown)?;
+            let primitives = self.primitives(shown, &mut room)?;
             // A file is a mesh, and has parts besides; so one place is a copy where there is nothing else.
             if self.whole.counts()[0] == 0
                 && let Some(place) = places.pop()
             {
                 for (material, primitive) in &primitives {
+                    room.take(primitive.size())?;
                     self.whole.material(material)?;
                     primitive.add(&place, None, &mut self.whole)?;
                 }
@@ -192,8 +194,9 @@ impl<'m, 'd> Meshes<'m, 'd> {
         Ok(())
     }
 
-    /// The primitives of a mesh, each with the name of its material.
-    fn primitives(&mut self, shown: &Shown<'d>) -> Result<Vec<(Vec<u8>, Primitive)>> {
+    /// The primitives of a mesh, each with the name of its material; takes room for one place.
+    fn primitives(&mut self, shown: &Shown<'d>, room: &mut Room<'_>) -> Result<Vec<(Vec<u8>, Primitive)>> {
+        let weights: Vec<f64> = shown.weights.list("weights").filter_map(|w| w.value.as_f64()).collect();
         let mut all = Vec::new();
         for item in shown.item.list("primitives") {
             let material = item.index("material")?;
@@ -201,12 +204,15 @@ impl<'m, 'd> Meshes<'m, 'd> {
                 self.document.root.at("materials", index)?;
             }
             let (uv_set, uv_transform) = self.materials.coordinates(material);
-            let primitive = Primitive::of(&item, self.document, uv_set, uv_transform, &shown.weights)?;
+            let primitive = Primitive::of(&item, self.document, uv_set, uv_transform, &weights)?;
             if item.extension("KHR_draco_mesh_compression").is_some() {
                 return Err(item.error("is compressed with Draco").advise(DECODE_FIRST));
             }
             match primitive {
-                Some(primitive) => all.push((Materials::key(material), primitive)),
+                Some(primitive) => {
+                    room.take(primitive.size())?;
+                    all.push((Materials::key(material), primitive));
+                }
                 None => self.left_out += 1,
             }
         }
@@ -217,14 +223,14 @@ impl<'m, 'd> Meshes<'m, 'd> {
     fn finish(self, findings: Findings) -> Result<Object> {
         let mut whole = self.whole.finish(0, findings)?;
         let mut names = std::mem::take(&mut whole.material_names);
+        let mut known: HashMap<Vec<u8>, u32> = names.iter().cloned().zip(0..).collect();
         let mut parts = Vec::new();
         for (read, places) in self.parts.into_iter().filter(|(read, _)| !read.mesh.indices.is_empty()) {
-            let id = |name: Vec<u8>| match names.iter().position(|known| *known == name) {
-                Some(id) => id as u32,
-                None => {
-                    names.push(name);
+            let id = |name: Vec<u8>| {
+                *known.entry(name).or_insert_with_key(|name| {
+                    names.push(name.clone());
                     (names.len() - 1) as u32
-                }
+                })
             };
             let ids: Vec<u32> = read.material_names.into_iter().map(id).collect();
             let mut mesh = read.mesh;

@@ -46,8 +46,8 @@ pub(super) struct Shown<'d> {
     pub places: Vec<DMat4>,
     /// The joints that bend it.
     pub skin: Option<Arc<Skin>>,
-    /// How much of each morph target.
-    pub weights: Vec<f64>,
+    /// Who says how much of each morph target: the node, or the mesh.
+    pub weights: Item<'d>,
     /// Whether the node changes its shape, or flattens it.
     is_special: bool,
 }
@@ -78,8 +78,7 @@ impl<'d> Shown<'d> {
             room.take(copies.len() as u64)?;
             let places: Vec<DMat4> = copies.iter().map(|copy| placed.matrix * *copy).collect();
             let has_own = placed.node.get("weights").is_some();
-            let weights = if has_own { &placed.node } else { &item };
-            let weights = weights.list("weights").filter_map(|w| w.value.as_f64()).collect();
+            let weights = if has_own { placed.node.clone() } else { item.clone() };
             let is_flat = places.iter().any(|place| Transform::new(*place).is_none());
             let is_special = has_own || skin.is_some() || is_flat;
             all.push(Shown { mesh, item, places, skin, weights, is_special });
