@@ -41,16 +41,18 @@ fn may_trace(log: &Path) -> bool {
     traced.status.success()
 }
 
+/// A folder with a scene, another one, and the log of `strace` in that; none where it may not trace.
+fn traced_folders() -> Option<(tempfile::TempDir, tempfile::TempDir, std::path::PathBuf)> {
+    let beside = tempfile::TempDir::new().unwrap();
+    let log = beside.path().join("log");
+    may_trace(&log).then(|| (folder(), beside, log))
+}
+
 /// D2: whichever call fails, for whichever reason, at whichever time.
 #[test]
 fn d2_every_failing_call() {
-    let folder = folder();
+    let Some((folder, _beside, log)) = traced_folders() else { return };
     let dir = folder.path();
-    let beside = tempfile::TempDir::new().unwrap();
-    let log = beside.path().join("log");
-    if !may_trace(&log) {
-        return;
-    }
     let inputs = format!("-P {0}/s.toml -P {0}/t.obj", dir.display());
     let rows: [(&str, &str, &[&str]); 11] = [
         // Of the inputs only: the dynamic linker's reads come first, and what it does then is not ours.
@@ -96,13 +98,8 @@ fn inject(dir: &Path, log: &Path, call: &str, only: &str, error: &str, k: usize)
 /// no temporary file.
 #[test]
 fn d5_killed_at_every_call_that_writes() {
-    let folder = folder();
+    let Some((folder, _beside, log)) = traced_folders() else { return };
     let dir = folder.path();
-    let beside = tempfile::TempDir::new().unwrap();
-    let log = beside.path().join("log");
-    if !may_trace(&log) {
-        return;
-    }
     let words = words(&["--backend", "bvh", "--threads", "1"]);
     let mut kills = 0;
     for call in ["write", "fsync", "ftruncate", "fchmod", "/^rename", "/^link", "/^unlink", "close"] {

@@ -18,6 +18,10 @@ use std::sync::Arc;
 /// instances are found by the rays that meet them, and light samples are taken of the others.
 pub const MOST: usize = 1 << 22;
 
+/// From the first to the last emissive triangle of an instance there may be so many times [`MOST`], of all together: a
+/// number each.
+const SPARSE: usize = 16;
+
 /// An instance that shines.
 #[derive(Clone, Debug)]
 pub struct Lamp {
@@ -43,6 +47,8 @@ impl Lamp {
         let own = self.mesh.triangle(t as usize).iter().fold(Aabb::EMPTY, |b, p| b.grow(*p));
         let Bounds64 { min, max } = self.place.bounds(&own, self.shutter);
         let area = |time: f32| self.patch(t, &self.place.during(self.shutter, time)).area();
+        // One that is nothing at both ends may be something between.
+        let area = [0.0, 0.5, 1.0].map(area).into_iter().fold(0.0, f64::max);
         let cone = self.place.rest().map_or(Cone::ALL, |transform| {
             let axis = Surface::faceted(&self.mesh, t, 0.3, 0.3).placed(transform).ng;
             Cone { axis, cos_normals: 1.0, cos_light: 0.0 }
@@ -51,8 +57,7 @@ impl Lamp {
             bounds: Aabb { min: min.as_vec3(), max: max.as_vec3() },
             cone,
             two_sided: emission.two_sided,
-            strength: (f64::from(emission.luminance_over(&self.mesh, t as usize)) * area(0.0).max(area(1.0)))
-                as f32,
+            strength: (f64::from(emission.luminance_over(&self.mesh, t as usize)) * area) as f32,
         }
     }
 
@@ -98,7 +103,12 @@ impl Lights {
         };
         let found: Vec<Arc<Vec<u32>>> = instances.places.iter().map(&mut triangles_of).collect();
         let count = found.iter().map(|triangles| triangles.len()).fold(0, usize::saturating_add);
-        self.has_unsampled = count > most;
+        let span = |triangles: &Arc<Vec<u32>>| match [triangles.first(), triangles.last()] {
+            [Some(first), Some(last)] => (last - first) as usize + 1,
+            _ => 0,
+        };
+        let spans = found.iter().map(span).fold(0, usize::saturating_add);
+        self.has_unsampled = count > most || spans > most.saturating_mul(SPARSE);
         if self.has_unsampled {
             return;
         }
@@ -165,12 +175,13 @@ mod tests {
     use super::*;
     use crate::light::{Receiver, Sampled};
     use crate::math::Rgb;
+    use crate::shape::FaceMaterials;
 
     /// Two places of a mesh with three triangles, the middle one dark: four lamps, or none where three are too many.
     #[test]
     fn lamps_are_collected_up_to_a_limit() {
         let mut mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]; 3]);
-        mesh.materials = crate::shape::FaceMaterials::PerFace(vec![1, 0, 1]);
+        mesh.materials = FaceMaterials::PerFace(vec![1, 0, 1]);
         let places =
             [0.0, 2.0].map(|x| Instance::at_rest(0, None, DAffine3::from_translation(glam::DVec3::X * x)));
         let instances = Instances { meshes: vec![Arc::new(mesh)], places: places.to_vec() };
@@ -181,6 +192,15 @@ mod tests {
         let nothing = Instances::default();
         let none = new(&nothing);
         assert!(none.is_empty() && !none.has_unsampled);
+        // The middle ones are dark, and would have a number each.
+        let mut sparse = instances.clone();
+        let mut long = (*instances.meshes[0]).clone();
+        (long.indices, long.materials) =
+            (vec![[0, 1, 2]; 80], FaceMaterials::PerFace([vec![1], vec![0; 78], vec![1]].concat()));
+        sparse.meshes = vec![Arc::new(long)];
+        let mut lights = none.clone();
+        lights.collect_lamps(&sparse, [0.0; 2], 5, &mut Vec::new());
+        assert!(lights.has_unsampled);
         for (most, count) in [(4, 4), (3, 0)] {
             let mut lights = none.clone();
             let mut bounds = Vec::new();

@@ -2,8 +2,9 @@ mod materials;
 
 use crate::bsdf::{Bsdf, Parameter};
 use crate::error::Result;
-use crate::load::format::read_bytes;
+use crate::load::format::{self, Reading, read_bytes};
 use crate::load::framing::Lens;
+use crate::load::obj::ReadOptions;
 use crate::load::object::Object;
 use crate::load::scene_file::LightPlan;
 use crate::load::texture::Slot;
@@ -300,6 +301,31 @@ fn cameras_and_lights_stand_where_their_nodes_do() {
     let LightPlan::Spot { direction, cos_outer, cos_inner, .. } = spot else { panic!("a spot") };
     assert_eq!((*direction, *cos_outer, *cos_inner), (DVec3::Z, libm::cos(0.2), libm::cos(0.1)));
     assert_eq!(*sun, LightPlan::Directional { direction: -DVec3::Z, irradiance: Rgb::splat(2.0) });
+}
+
+/// What is kept once counts as well: a mesh of many primitives on one accessor is no way round the limit.
+#[test]
+fn shared_meshes_are_bounded_like_copies() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let file = folder.path().join("m.gltf");
+    let read = |primitives: usize, most_copied| {
+        let mut document = square();
+        let primitive = document["meshes"][0]["primitives"][0].clone();
+        document["meshes"][0]["primitives"] = json!(vec![primitive; primitives]);
+        document["nodes"] = json!([{ "mesh": 0 }, { "mesh": 0, "translation": [0, 0, 1] }]);
+        document["scenes"] = json!([{ "nodes": [0, 1] }]);
+        std::fs::write(&file, document.to_string()).unwrap();
+        let usual = Reading::new(&|_| true);
+        let options = ReadOptions { max_elements: 100, ..usual.options };
+        format::read(&file, &Reading { options, most_copied, ..usual })
+    };
+    // Two places, and four vertices of each primitive in each.
+    for most_copied in [0, u64::MAX] {
+        let places = read(10, most_copied).unwrap().parts.iter().map(|part| part.places.len()).sum::<usize>();
+        assert_eq!(places, usize::from(most_copied == 0));
+        let error = read(30, most_copied).unwrap_err();
+        assert!(error.message.contains("again and again"), "{error}");
+    }
 }
 
 #[test]
