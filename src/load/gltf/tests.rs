@@ -316,10 +316,10 @@ fn shared_meshes_are_bounded_like_copies() {
         document["scenes"] = json!([{ "nodes": [0, 1] }]);
         std::fs::write(&file, document.to_string()).unwrap();
         let usual = Reading::new(&|_| true);
-        let options = ReadOptions { max_elements: 100, ..usual.options };
+        let options = ReadOptions { max_elements: 200, ..usual.options };
         format::read(&file, &Reading { options, most_copied, ..usual })
     };
-    // Two places, and four vertices of each primitive in each.
+    // Two places, and six corners of each primitive in each.
     for most_copied in [0, u64::MAX] {
         let places = read(10, most_copied).unwrap().parts.iter().map(|part| part.places.len()).sum::<usize>();
         assert_eq!(places, usize::from(most_copied == 0));
