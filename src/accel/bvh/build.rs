@@ -8,7 +8,7 @@
 //! ([`super::morton`]).
 //!
 //! **Memory.** References are sorted in place and are gone, but for the triangles' ids, before the blocks are
-//! filled, so a build peaks at 1.2 times the finished structure (1.5 in high quality).
+//! filled, so a build peaks at 1.35 times the finished structure (1.5 in high quality).
 //!
 //! **Depth.** The traversal's stack holds [`MAX_DEPTH`] levels. After [`HEURISTIC_DEPTH`] levels (ordinary
 //! meshes need about log₈ n) the largest group is halved by count instead, so that a level divides the
@@ -19,6 +19,7 @@ use super::bounds::Bounds;
 use super::collapse::BinaryTree;
 use super::morton;
 use super::node::{Child, Node, WIDTH};
+use super::order::most_promising_last;
 use super::parts::{Part, Progress, Tree, fill_blocks, reserve};
 use super::spatial::{self, BUDGET, OVERLAP, Spatial};
 use super::split::{Group, Split, halve, part_few, share_room};
@@ -90,13 +91,18 @@ pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Built> 
     refs.resize(whole.room, Bounds::EMPTY);
     let builder = Builder { meshes, least_overlap: OVERLAP * whole.bounds.half_area(), progress };
     let tree = builder.grow(&mut refs, 0, whole, 0)?;
-    // The boxes are in the nodes by now; a quarter of the memory keeps what the blocks still need.
+    // The boxes are in the nodes by now; a quarter of the memory keeps what the blocks still need. Blocks come before the
+    // nodes are joined: what the parts give back would not go back to the system, and add to the peak.
     let ids = ids(refs)?;
-    let joined = Part::join(tree)?;
-    let blocks = fill_blocks(meshes, |i| ids[i], &joined.spans)?;
+    let spans = tree.spans()?;
+    let blocks = fill_blocks(meshes, |i| ids[i], &spans)?;
+    drop(ids);
+    let in_leaves: usize = spans.iter().map(|(_, len)| *len as usize).sum();
+    drop(spans);
+    let mut nodes = tree.join()?;
+    most_promising_last(&mut nodes, &blocks);
     builder.progress.report(0)?;
-    let in_leaves: usize = joined.spans.iter().map(|(_, len)| *len as usize).sum();
-    Ok(Built { nodes: joined.nodes, blocks, leaves_of_one: in_leaves as f64 / triangles as f64 })
+    Ok(Built { nodes, blocks, leaves_of_one: in_leaves as f64 / triangles as f64 })
 }
 
 /// Boxes of all triangles with area, with mesh and triangle id as the owner's words, and room for

@@ -147,7 +147,6 @@ impl BinaryTree {
             };
             part.nodes[at].set(slot, &node.bounds, child);
         }
-        part.nodes[at].largest_last();
         Child::node(at)
     }
 

@@ -123,9 +123,8 @@ impl Few {
         let scales = Scales::of(&self.bounds, source, rays);
         let mut first = [u32::MAX; LANES];
         let mut second = [u32::MAX; LANES];
-        let together = go_together(rays);
         for group in &self.groups {
-            if together && !group.is_met::<S>(rays) {
+            if !group.is_met::<S>(rays) {
                 continue;
             }
             for number in group.filters.clone() {
@@ -149,9 +148,8 @@ impl Few {
     fn any<S: Set>(&self, source: &Rays, rays: &Prepared) -> (Mask, Mask) {
         let scales = Scales::of(&self.bounds, source, rays);
         let (mut sure, mut maybe) = ([0u32; LANES], [0u32; LANES]);
-        let together = go_together(rays);
         for group in &self.groups {
-            if together && !group.is_met::<S>(rays) {
+            if !group.is_met::<S>(rays) {
                 continue;
             }
             for filter in &self.filters[group.filters.clone()] {
@@ -167,41 +165,27 @@ impl Few {
     }
 }
 
-/// Whether all rays go into the same octant, as those of a camera and those to a lamp mostly do. Then it is worth asking
-/// first which blocks any of them meets.
-#[inline(always)]
-fn go_together(rays: &Prepared) -> bool {
-    let (mut all, mut any) = (7, 0);
-    for i in 0..LANES {
-        let octant = rays.near_side[0][i] | rays.near_side[1][i] << 1 | rays.near_side[2][i] << 2;
-        let live = (rays.live >> i & 1) as u32;
-        all &= octant | live.wrapping_sub(1);
-        any |= octant & live.wrapping_neg();
-    }
-    all == any
-}
-
 impl Group {
     fn new(filters: Range<usize>, bounds: &Aabb) -> Group {
         let (lo, hi) = enlarge(bounds.min.to_array(), bounds.max.to_array());
         Group { filters, planes: [0, 1, 2].map(|k| [lo[k], hi[k]]) }
     }
 
-    /// Whether any of the rays, which all go into the same octant, meets the box.
+    /// Whether any of the rays meets the box.
     #[inline(always)]
     fn is_met<S: Set>(&self, rays: &Prepared) -> bool {
-        let lane = rays.live.trailing_zeros() as usize % LANES;
-        let side = |k: usize| rays.near_side[k][lane] as usize & 1;
-        let [x, y, z] = [0, 1, 2].map(|k| [self.planes[k][side(k)], self.planes[k][side(k) ^ 1]]);
-        let mut met = [0u32; LANES];
-        for (i, met) in met.iter_mut().enumerate() {
-            let near = |k: usize, plane: f32| fused::<S>(plane, rays.inverse[k][i], -rays.near_start[k][i]);
-            let far = |k: usize, plane: f32| fused::<S>(plane, rays.inverse[k][i], -rays.far_start[k][i]);
-            let from = max(max(near(0, x[0]), near(1, y[0])), max(near(2, z[0]), rays.tmin[i]));
-            let to = min(min(far(0, x[1]), far(1, y[1])), min(far(2, z[1]), rays.tmax[i]));
-            *met = (from <= to) as u32 & (rays.live >> i) as u32 & 1;
+        let mut met = 0;
+        for i in 0..LANES {
+            let (mut from, mut to) = (rays.tmin[i], rays.tmax[i]);
+            for k in 0..3 {
+                let [lo, hi] = self.planes[k];
+                let (first, last) = if rays.near_side[k][i] == 0 { (lo, hi) } else { (hi, lo) };
+                from = max(fused::<S>(first, rays.inverse[k][i], -rays.near_start[k][i]), from);
+                to = min(fused::<S>(last, rays.inverse[k][i], -rays.far_start[k][i]), to);
+            }
+            met |= (from <= to) as u32 & (rays.live >> i) as u32 & 1;
         }
-        met.iter().any(|&m| m != 0)
+        met != 0
     }
 }
 

@@ -27,6 +27,7 @@ mod meeting;
 mod morton;
 mod near;
 mod node;
+mod order;
 mod partition;
 mod parts;
 mod ray;

@@ -12,6 +12,7 @@
 use super::bounds::Bounds;
 use super::build::{Built, HEURISTIC_DEPTH, SUBTREE};
 use super::node::{Child, Node, WIDTH};
+use super::order::most_promising_last;
 use super::parts::{Part, Progress, Tree, fill_blocks, reserve};
 use super::triangle::{BLOCK, Block};
 use crate::accel::BuildOptions;
@@ -126,10 +127,12 @@ pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Built> 
     }
     let builder = Builder { triangles, progress };
     let tree = builder.grow(&mut keys, 0, 0)?;
-    let Part { mut nodes, spans } = Part::join(tree)?;
+    let spans = tree.spans()?;
     let blocks = fill_blocks(meshes, |i| builder.triangles.ids(number(keys[i])), &spans)?;
     drop((keys, spans));
+    let mut nodes = tree.join()?;
     fit(&mut nodes, &blocks)?;
+    most_promising_last(&mut nodes, &blocks);
     builder.progress.report(0)?;
     Ok(Built { nodes, blocks, leaves_of_one: 1.0 })
 }

@@ -132,21 +132,26 @@ impl Node {
         self.children[slot] = child;
     }
 
-    /// Sorts the children by their surface, the largest last: a ray that looks for any hit takes them from a stack, and so
-    /// first tries the one in which it most likely finds it.
-    pub fn largest_last(&mut self) {
+    /// Half the surface of a child's box.
+    pub fn half_area(&self, slot: usize) -> f32 {
+        let [x, y, z] = [0, 1, 2].map(|k| (self.planes[k][1][slot] - self.planes[k][0][slot]).max(0.0));
+        x * (y + z) + y * z
+    }
+
+    /// Half the surface of the box around all children.
+    pub fn half_area_of_all(&self) -> f32 {
+        let [x, y, z] = self.planes.map(|[lo, hi]| {
+            let least = lo.iter().copied().fold(f32::INFINITY, f32::min);
+            let most = hi.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+            (most - least).max(0.0)
+        });
+        x * (y + z) + y * z
+    }
+
+    /// Puts the children into that order.
+    pub fn permute(&mut self, order: &[usize; WIDTH]) {
         let before = *self;
-        let extent =
-            |slot: usize, k: usize| (before.planes[k][1][slot] - before.planes[k][0][slot]).max(0.0) as f64;
-        let area = |slot: usize| {
-            let [x, y, z] = [0, 1, 2].map(|k| extent(slot, k));
-            x * (y + z) + y * z
-        };
-        let mut order: [usize; WIDTH] = std::array::from_fn(|slot| slot);
-        let areas: [f64; WIDTH] = std::array::from_fn(area);
-        let is_none = |slot: usize| before.children[slot] == Child::NONE;
-        order.sort_by(|&a, &b| is_none(a).cmp(&is_none(b)).then(areas[a].total_cmp(&areas[b])));
-        for (slot, from) in order.into_iter().enumerate() {
+        for (slot, &from) in order.iter().enumerate() {
             for k in 0..3 {
                 for side in 0..2 {
                     self.planes[k][side][slot] = before.planes[k][side][from];

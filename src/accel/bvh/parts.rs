@@ -82,44 +82,64 @@ impl Part {
         }
         child
     }
+}
 
-    /// Everything in one piece, depth first.
-    pub fn join(tree: Tree) -> Result<Part> {
-        let mut all = Part::default();
-        let (nodes, spans) = tree.size();
-        reserve(&mut all.nodes, nodes)?;
-        reserve(&mut all.spans, spans)?;
-        all.append(tree);
-        Ok(all)
+impl Tree {
+    /// All nodes in one piece, depth first, and freed where they were. The blocks are those of [`Tree::spans`].
+    pub fn join(self) -> Result<Vec<Node>> {
+        let mut nodes = Vec::new();
+        reserve(&mut nodes, self.size().0)?;
+        self.append(&mut nodes, &mut 0);
+        Ok(nodes)
     }
 
-    fn append(&mut self, tree: Tree) -> Child {
-        match tree {
-            Tree::Leaf { first, len } => self.leaf(first, len),
+    /// Appends its nodes to `nodes`; `blocks` are there already.
+    fn append(self, nodes: &mut Vec<Node>, blocks: &mut usize) -> Child {
+        match self {
+            Tree::Leaf { len, .. } => {
+                let child = Child::leaf(*blocks, len.div_ceil(BLOCK));
+                *blocks += len.div_ceil(BLOCK);
+                child
+            }
             Tree::Part(part) => {
-                let (nodes, blocks) = (self.nodes.len(), self.spans.len());
-                self.spans.extend_from_slice(&part.spans);
-                self.nodes.extend(part.nodes.into_iter().map(|mut node| {
-                    node.children = node.children.map(|c| c.moved(nodes, blocks));
+                let before = nodes.len();
+                nodes.extend(part.nodes.into_iter().map(|mut node| {
+                    node.children = node.children.map(|c| c.moved(before, *blocks));
                     node
                 }));
-                Child::node(nodes)
+                *blocks += part.spans.len();
+                Child::node(before)
             }
             Tree::Node(children) => {
-                let index = self.nodes.len();
-                self.nodes.push(Node::EMPTY);
+                let index = nodes.len();
+                nodes.push(Node::EMPTY);
                 for (slot, (bounds, child)) in children.into_iter().enumerate() {
-                    let child = self.append(child);
-                    self.nodes[index].set(slot, &bounds, child);
+                    let child = child.append(nodes, blocks);
+                    nodes[index].set(slot, &bounds, child);
                 }
-                self.nodes[index].largest_last();
                 Child::node(index)
             }
         }
     }
-}
 
-impl Tree {
+    /// The spans of all blocks, in the order in which [`Tree::join`] counts them.
+    pub fn spans(&self) -> Result<Vec<(u32, u32)>> {
+        let mut all = Part::default();
+        reserve(&mut all.spans, self.size().1)?;
+        self.append_spans(&mut all);
+        Ok(all.spans)
+    }
+
+    fn append_spans(&self, all: &mut Part) {
+        match self {
+            Tree::Leaf { first, len } => {
+                all.leaf(*first, *len);
+            }
+            Tree::Part(part) => all.spans.extend_from_slice(&part.spans),
+            Tree::Node(children) => children.iter().for_each(|(_, child)| child.append_spans(all)),
+        }
+    }
+
     /// Numbers of nodes and blocks.
     fn size(&self) -> (usize, usize) {
         match self {

@@ -198,9 +198,9 @@ impl<S: Set> Steps for ToAny<'_, S> {
             let node = &tree.nodes[walk.child.index()];
             let (_, mut met) = enter::<S>(node, self.rays, i, walk.t);
             if met != 0 {
-                // The children are in the order of their surface: the largest now, the next largest when it is done.
-                let largest = (31 - met.leading_zeros()) as usize % WIDTH;
-                met ^= 1 << largest;
+                // The most promising child is the last ([`super::order`]): it now, the others when it is done.
+                let best = (31 - met.leading_zeros()) as usize % WIDTH;
+                met ^= 1 << best;
                 while met != 0 {
                     let slot = met.trailing_zeros() as usize % WIDTH;
                     met &= met - 1;
@@ -209,7 +209,7 @@ impl<S: Set> Steps for ToAny<'_, S> {
                     stack[walk.top % STACK] = child.bits() as u64;
                     walk.top += 1;
                 }
-                walk.child = node.children[largest];
+                walk.child = node.children[best];
                 tree.fetch(walk.child);
                 return true;
             }
