@@ -1,5 +1,7 @@
 //! What every vertex may look at, prepared once a picture.
 
+use super::explore::explore;
+use crate::accel::Intersector;
 use crate::bsdf::Material;
 use crate::camera::Camera;
 use crate::error::Result;
@@ -124,6 +126,28 @@ impl<'a> Context<'a> {
             brightest: settings.clamp.map_or(f64::INFINITY, f64::from),
             size: settings.size,
         })
+    }
+
+    /// Looks where the sky is seen from, and takes light samples of it from now on, where that is worth it: a constant
+    /// sky indoors. Not where something moves or is an instance.
+    pub fn look_out(
+        &mut self,
+        settings: &Settings,
+        accel: &dyn Intersector,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) {
+        let traced = matches!(settings.integrator, IntegratorKind::Path | IntegratorKind::Direct);
+        let stands = !self.moves && self.instances.places.is_empty();
+        if !(traced && stands && settings.lights == LightSampling::Mis && self.lights.wants_openings()) {
+            return;
+        }
+        if let Some(openings) = explore(self, accel, stop) {
+            self.lights.add_openings(openings);
+            self.samples_lights = true;
+            let choice = Some(self.lights.has_choice());
+            self.dimensions = Dimensions::new(self.camera.has_lens(), self.moves, self.has_lobes, choice);
+            self.splits_light_samples = self.lights.only_patch().is_none();
+        }
     }
 
     /// Where branch `branch` of a sample takes its numbers from: each of those from 1 has its own, 0 those of the sample.

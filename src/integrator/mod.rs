@@ -13,6 +13,7 @@ mod batch;
 mod context;
 mod cutout;
 mod distribution;
+mod explore;
 mod lanes;
 mod normals;
 mod path;

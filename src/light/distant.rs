@@ -1,7 +1,7 @@
 //! What shines from infinitely far away, and the choice between that and the lights with a place.
 
 use super::tree::LightTree;
-use super::{Directional, Environment, Light, Receiver, Sampled, Sun};
+use super::{Directional, Environment, Light, Openings, Receiver, Sampled, Sun};
 use crate::math::{Rgb, Vec3, luminance};
 use std::f32::consts::PI;
 
@@ -46,6 +46,8 @@ pub struct Distants {
     pub environment: Option<Environment>,
     /// Whether light samples of the environment are compensated for BSDF samples.
     pub compensated: bool,
+    /// Where a constant environment is seen from indoors.
+    openings: Option<Openings>,
     /// Discs in front of the environment.
     pub suns: Vec<Sun>,
     /// Parallel light.
@@ -66,6 +68,7 @@ impl Distants {
         let mut all = Distants {
             environment: None,
             compensated: !sampled.alone,
+            openings: None,
             suns: Vec::new(),
             directionals: Vec::new(),
             candidates: Vec::new(),
@@ -95,6 +98,37 @@ impl Distants {
         }
         all.candidates.retain(|c| c.irradiance > 0.0);
         all
+    }
+
+    /// True where light samples would only pay if they knew where to look: BSDF samples find a constant environment as
+    /// well, unless little of it is seen.
+    pub fn wants_openings(&self) -> bool {
+        let environment = self.environment.as_ref();
+        self.compensated
+            && environment
+                .is_some_and(|e| matches!(e, Environment::Constant(_)) && luminance(e.average()) > 0.0)
+    }
+
+    /// From now on the environment is sampled through `openings`.
+    pub fn add_openings(&mut self, openings: Openings) {
+        if let Some(environment) = &self.environment {
+            let irradiance = PI * luminance(environment.average()) * openings.share;
+            self.candidates.push(Candidate { light: Distant::Environment, irradiance, place: None });
+            self.openings = Some(openings);
+        }
+    }
+
+    /// A direction from `p` to the environment, its density per solid angle and the radiance from there.
+    #[inline(always)]
+    pub fn sample_environment(&self, p: Vec3, u: [f32; 2]) -> Option<(Vec3, f32, Rgb)> {
+        let environment = self.environment.as_ref()?;
+        match &self.openings {
+            Some(openings) => {
+                let (wi, pdf) = openings.sample(p, u);
+                Some((wi, pdf, environment.le(wi)))
+            }
+            None => environment.sample(self.compensated, u),
+        }
     }
 
     /// True when none is sampled.
@@ -175,7 +209,12 @@ impl Distants {
     pub fn at_end(&self, tree: &LightTree, from: &Receiver, d: Vec3, mut found: impl FnMut(Rgb, f32)) {
         if let Some(environment) = &self.environment {
             let chance = self.chance(Distant::Environment, tree, from);
-            let pdf = if chance > 0.0 { chance * environment.pdf(self.compensated, d) } else { 0.0 };
+            let pdf = match &self.openings {
+                _ if chance <= 0.0 => 0.0,
+                // The ray started a rounding away from the point that took the sample: as good as always in the same part.
+                Some(openings) => chance * openings.pdf(from.p, d),
+                None => chance * environment.pdf(self.compensated, d),
+            };
             found(environment.le(d), pdf);
         }
         for (i, sun) in self.suns.iter().enumerate().filter(|(_, sun)| sun.contains(d)) {

@@ -11,7 +11,7 @@ use super::distant::{Distant, Distants};
 use super::patch::{self, Patch};
 use super::single::{sample_directional, sample_point, sample_sphere, sample_spot};
 use super::tree::LightTree;
-use super::{Emission, Environment, Light, LightSample, Point, Receiver, Sphere, Spot, Sun, reach};
+use super::{Emission, Light, LightSample, Openings, Point, Receiver, Sphere, Spot, Sun, reach};
 use crate::math::{Aabb, Rgb, Vec3, luminance};
 use crate::shape::{Instances, Mesh, Surface};
 use instanced::Lamp;
@@ -189,6 +189,16 @@ impl Lights {
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         self.emitters.is_empty() && self.distant.is_empty()
+    }
+
+    /// True when it would help to know where the sky is seen from.
+    pub fn wants_openings(&self) -> bool {
+        self.distant.wants_openings()
+    }
+
+    /// From now on the sky gets light samples, through `openings`.
+    pub fn add_openings(&mut self, openings: Openings) {
+        self.distant.add_openings(openings);
     }
 
     /// True when [`Lights::sample`] chooses between lights, so that its choice needs a number and the receiver's normal.
@@ -383,10 +393,7 @@ impl Lights {
                 let sun: &Sun = &self.distant.suns[i as usize];
                 (sun.sample(u), 1.0 / sun.solid_angle(), sun.radiance)
             }
-            Distant::Environment => {
-                let environment: &Environment = self.distant.environment.as_ref()?;
-                environment.sample(self.distant.compensated, u)?
-            }
+            Distant::Environment => self.distant.sample_environment(from.p, u)?,
         };
         let pdf = pdf * chance;
         if !(pdf > 0.0 && pdf.is_finite()) {

@@ -33,7 +33,8 @@ impl Picture<'_> {
     /// As [`super::render_kept`].
     pub fn render<I: Integrator>(&self, integrator: &I) -> Result<Rendering> {
         let s = self.settings;
-        let cx = Context::new(self.scene, s)?;
+        let mut cx = Context::new(self.scene, s)?;
+        cx.look_out(s, self.accel, self.hooks.stop);
         if let Some(grid) = s.rule.grid()
             && grid.points() != u64::from(s.spp)
         {

@@ -65,7 +65,7 @@ impl Quantity {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightSampling {
     /// Light and BSDF sampling, combined by multiple importance sampling; lights that BSDF sampling finds
-    /// as well by itself (a constant environment) get no light samples.
+    /// as well by itself (a constant environment, unless it is seen through openings) get no light samples.
     Mis,
     /// Light sampling alone; only mirrors find lights by their own direction.
     Light,

@@ -153,7 +153,7 @@ fn every_sample_of_the_notes_recursion_has_directions_of_its_own() {
     let toml = pixel("reflectance = 0.9\n[[light]]\ntype = \"environment\"\n")
         .replace("position = [0.5, 0.5, 5]", "position = [0.5, 0.5, 0.9]")
         .replace("max_depth = 1", "max_depth = 4\nlights = \"bsdf\"");
-    let recursion = "render.integrator={ type = \"distribution\", rule = \"random\", directions = [2, 1] }";
+    let recursion = "render.integrator={ type = \"distribution\", rule = \"random\", directions = [8, 1] }";
     on_every_backend(|backend| {
         let files = [("m.obj", obj(&[square(0.0), square(1.0)]))];
         let stage = stage(&toml, &files, backend, &[recursion]);

@@ -13,6 +13,7 @@ mod cutouts;
 mod direct;
 mod every_scene;
 mod harness;
+mod indoors;
 mod instances;
 mod invariance;
 mod lamps;
