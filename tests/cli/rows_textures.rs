@@ -268,7 +268,7 @@ fn b7_damaged_pictures() {
             let at = (i * 7919 + 11) % bytes.len();
             flipped[at] ^= 1 << (i % 8);
             let other = (i * 104_729 + 5) % bytes.len().min(64);
-            flipped[other] = flipped[other].wrapping_add(1 + i as u8 * 31);
+            flipped[other] = flipped[other].wrapping_add((1 + i * 31) as u8);
             add(&flipped);
         }
     }
