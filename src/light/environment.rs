@@ -95,6 +95,17 @@ impl Environment {
         }
     }
 
+    /// True where no light comes from anywhere.
+    pub fn is_black(&self) -> bool {
+        match self {
+            Environment::Constant(radiance) => *radiance == Rgb::ZERO,
+            Environment::Studio { below, horizon, zenith, key, .. } => {
+                [below, horizon, zenith, key].into_iter().all(|radiance| *radiance == Rgb::ZERO)
+            }
+            Environment::Panorama(map) => map.mean() == Rgb::ZERO,
+        }
+    }
+
     /// Average radiance over the sphere, for choosing among lights.
     pub fn average(&self) -> Rgb {
         match self {

@@ -80,7 +80,7 @@ pub fn moved(light: &LightPlan, place: DMat4) -> LightPlan {
 /// No light, or only lights of radiance zero.
 pub fn is_dark(scene: &Scene) -> bool {
     let dark = |light: &Light| match light {
-        Light::Environment(environment) => environment.average() == Rgb::ZERO,
+        Light::Environment(environment) => environment.is_black(),
         Light::Directional(d) => d.irradiance == Rgb::ZERO,
         Light::Sphere(s) => s.radiance == Rgb::ZERO,
         Light::Sun(s) => s.radiance == Rgb::ZERO,
