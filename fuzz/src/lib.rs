@@ -13,7 +13,14 @@ pub mod scene_obj;
 pub mod scene_toml;
 
 use drt::accel::LARGEST;
+use drt::load::Options;
+use drt::load::open::Reach;
+use drt::memory::{Left, Limit};
 use drt::shape::{Attribute, FaceMaterials, Mesh, NO_INDEX};
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::fs::File;
+use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
 /// A target: the bytes it is given decide what it does.
@@ -80,29 +87,60 @@ fn sound_attribute<T>(mesh: &Mesh, attribute: &Attribute<T>, is_finite: impl Fn(
     }
 }
 
-/// A folder of this process, in memory where there is such a place; gone when it is dropped.
-struct Folder(PathBuf);
+/// A folder of this process and one target, in memory where there is such a place; gone with the thread that made it.
+///
+/// It and its files stay from one execution to the next, since making them takes longer than most readers do.
+struct Folder {
+    path: PathBuf,
+    files: HashMap<&'static str, (File, Vec<u8>)>,
+    /// What the file `input` in it may name.
+    reach: Reach,
+    input: PathBuf,
+}
 
 impl Folder {
-    fn new() -> Folder {
+    fn new(target: &str, input: &str) -> Folder {
         let memory = Path::new("/dev/shm");
         let parent = if memory.is_dir() { memory.to_path_buf() } else { std::env::temp_dir() };
-        let folder = parent.join(format!("drt-fuzz-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).expect("a folder");
-        Folder(folder)
+        let path = parent.join(format!("drt-fuzz-{}-{target}", std::process::id()));
+        std::fs::create_dir_all(&path).expect("a folder");
+        let input = path.join(input);
+        let reach = Reach::folder_of(&input).expect("the folder");
+        Folder { path, files: HashMap::new(), reach, input }
     }
 
-    /// Writes the file `name` and returns its path.
-    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
-        let path = self.0.join(name);
-        std::fs::write(&path, bytes).expect("written");
-        path
+    /// Calls `run` with the folder of `target`, whose input is called `input`.
+    fn with<R>(target: &'static str, input: &str, run: impl FnOnce(&mut Folder) -> R) -> R {
+        thread_local! {
+            static FOLDERS: RefCell<HashMap<&'static str, Folder>> = RefCell::default();
+        }
+        FOLDERS.with_borrow_mut(|all| run(all.entry(target).or_insert_with(|| Folder::new(target, input))))
+    }
+
+    /// Gives the file `name` those bytes.
+    fn write(&mut self, name: &'static str, bytes: &[u8]) {
+        let (file, written) = self
+            .files
+            .entry(name)
+            .or_insert_with(|| (File::create(self.path.join(name)).expect("a file"), Vec::new()));
+        if written != bytes {
+            file.write_all_at(bytes, 0).expect("written");
+            file.set_len(bytes.len() as u64).expect("cut");
+            written.clear();
+            written.extend_from_slice(bytes);
+        }
+    }
+
+    /// How a scene of this folder is loaded. The same memory is left to every execution, so that all fare alike.
+    fn options(&self) -> Options<'static> {
+        let memory = || Some(Left { bytes: 4 << 30, limit: Limit::Machine });
+        Options { reach: self.reach.clone(), max_texture_bytes: 1 << 24, memory, ..Options::default() }
     }
 }
 
 impl Drop for Folder {
     fn drop(&mut self) {
         // What is left is a small folder in memory.
-        let _ = std::fs::remove_dir_all(&self.0);
+        let _ = std::fs::remove_dir_all(&self.path);
     }
 }

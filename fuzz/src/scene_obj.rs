@@ -1,21 +1,19 @@
 //! An OBJ with its library and a picture, loaded as for a render and rendered: no value that is no radiance.
 
 use drt::accel::Backend;
-use drt::load::open::Reach;
-use drt::load::{self, Options};
+use drt::load;
 use drt::render::{self, Hooks};
 
 /// The bytes up to the first NUL are `a.obj`, up to the second `m.mtl`, the rest `p.png`.
 pub fn run(data: &[u8]) {
-    let folder = super::Folder::new();
     let mut parts = data.splitn(3, |byte| *byte == 0);
-    let input = folder.write("a.obj", parts.next().unwrap_or_default());
-    for name in ["m.mtl", "p.png"] {
-        folder.write(name, parts.next().unwrap_or_default());
-    }
-    let reach = Reach::folder_of(&input).expect("the folder");
-    let options = Options { reach, max_texture_bytes: 1 << 24, ..Options::default() };
-    let Ok(mut loaded) = load::scene(&input, options) else { return };
+    let loaded = super::Folder::with("scene_obj", "a.obj", |folder| {
+        for name in ["a.obj", "m.mtl", "p.png"] {
+            folder.write(name, parts.next().unwrap_or_default());
+        }
+        load::scene(&folder.input, folder.options())
+    });
+    let Ok(mut loaded) = loaded else { return };
     let scene = &loaded.scene;
     for mesh in &scene.meshes {
         super::sound(mesh, scene.materials.len());

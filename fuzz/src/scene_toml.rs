@@ -1,19 +1,19 @@
 //! Scene files: read or refused; what is read can be rendered with.
 
-use drt::load::open::Reach;
-use drt::load::{self, Options};
+use drt::load;
 
 const MESH: &[u8] = b"mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
 
 /// The bytes are the file; beside it are `t.obj`, `m.mtl` and `p.pfm`.
 pub fn run(text: &[u8]) {
-    let folder = super::Folder::new();
-    folder.write("t.obj", MESH);
-    folder.write("m.mtl", b"newmtl a\nKd 0.5 0.5 0.5\nmap_Kd p.pfm\n");
-    folder.write("p.pfm", super::PICTURE);
-    let input = folder.write("s.toml", text);
-    let reach = Reach::folder_of(&input).expect("the folder");
-    let loaded = match load::scene(&input, Options { reach, ..Options::default() }) {
+    let loaded = super::Folder::with("scene_toml", "s.toml", |folder| {
+        folder.write("t.obj", MESH);
+        folder.write("m.mtl", b"newmtl a\nKd 0.5 0.5 0.5\nmap_Kd p.pfm\n");
+        folder.write("p.pfm", super::PICTURE);
+        folder.write("s.toml", text);
+        load::scene(&folder.input, folder.options())
+    });
+    let loaded = match loaded {
         Ok(loaded) => loaded,
         Err(error) => {
             assert!(!error.to_string().contains('\n'), "{error}");

@@ -273,6 +273,7 @@ impl Job {
                 reach: args.files.reach(&self.input)?,
                 cache,
                 progress: &progress,
+                memory: memory::left,
             },
         )
     }

@@ -18,7 +18,6 @@ use super::texture;
 use super::{Loaded, Options, Reading, STDIN, cancelled};
 use crate::error::{Error, Finding, Result, Severity, nearest, show_path};
 use crate::math::DVec3;
-use crate::memory;
 use crate::scene::need::Need;
 use crate::scene::{IntegratorKind, Scene, Settings};
 use lights::{is_dark, lamp, moved, place_light};
@@ -170,7 +169,7 @@ fn check_memory(paths: &[PathBuf], options: &Options<'_>, settings: &Settings) -
             need.add(extent, meshes);
         }
     }
-    need.check(settings, memory::left())
+    need.check(settings, (options.memory)())
 }
 
 /// Reads every file once.

@@ -37,6 +37,7 @@ pub use input::STDIN;
 pub use scene_file::Override;
 
 use crate::error::{Error, Findings, Result};
+use crate::memory::{self, Left};
 use crate::scene::{Scene, Settings};
 use auto::{Up, View};
 use open::Reach;
@@ -66,6 +67,8 @@ pub struct Options<'a> {
     /// Told now and then the share done (0 to 1); `false` cancels the reading, which then fails with
     /// [`cancelled`].
     pub progress: &'a (dyn Fn(f64) -> bool + Sync),
+    /// Says how much memory is left before meshes are read; by default, [`memory::left`].
+    pub memory: fn() -> Option<Left>,
 }
 
 impl Default for Options<'_> {
@@ -81,6 +84,7 @@ impl Default for Options<'_> {
             opening: Opening::default(),
             cache: None,
             progress: &|_| true,
+            memory: memory::left,
         }
     }
 }
