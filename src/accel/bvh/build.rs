@@ -100,8 +100,7 @@ pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Built> 
     let in_leaves: usize = spans.iter().map(|(_, len)| *len as usize).sum();
     drop(spans);
     let mut nodes = tree.join()?;
-    most_promising_last(&mut nodes, &blocks);
-    builder.progress.report(0)?;
+    most_promising_last(&mut nodes, &blocks, &builder.progress)?;
     Ok(Built { nodes, blocks, leaves_of_one: in_leaves as f64 / triangles as f64 })
 }
 

@@ -132,8 +132,7 @@ pub fn build(meshes: &[Arc<Mesh>], options: &BuildOptions<'_>) -> Result<Built> 
     drop((keys, spans));
     let mut nodes = tree.join()?;
     fit(&mut nodes, &blocks)?;
-    most_promising_last(&mut nodes, &blocks);
-    builder.progress.report(0)?;
+    most_promising_last(&mut nodes, &blocks, &builder.progress)?;
     Ok(Built { nodes, blocks, leaves_of_one: 1.0 })
 }
 

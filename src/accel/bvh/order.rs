@@ -7,7 +7,9 @@
 //! small one full of triangles.
 
 use super::node::{Child, Node, WIDTH};
+use super::parts::{Progress, reserve};
 use super::triangle::{BLOCK, Block};
+use crate::error::Result;
 use rayon::prelude::*;
 
 /// Cost of a node that is visited; of a block of triangles it is 1.
@@ -22,11 +24,16 @@ struct Try {
 
 /// Sorts the children of all `nodes`, the most promising last: they are taken from a stack. Children stand behind their
 /// parents.
-pub fn most_promising_last(nodes: &mut [Node], blocks: &[Block]) {
-    let mut areas: Vec<f32> = Vec::new();
+pub fn most_promising_last(nodes: &mut [Node], blocks: &[Block], progress: &Progress<'_>) -> Result<()> {
+    let (mut areas, mut known): (Vec<f32>, Vec<Try>) = (Vec::new(), Vec::new());
+    reserve(&mut areas, blocks.len())?;
+    reserve(&mut known, nodes.len())?;
     areas.par_extend(blocks.par_iter().map(area));
-    let mut known = vec![Try::default(); nodes.len()];
+    known.resize(nodes.len(), Try::default());
     for index in (0..nodes.len()).rev() {
+        if index % (1 << 16) == 0 {
+            progress.report(0)?;
+        }
         let node = &mut nodes[index];
         let tries: [Try; WIDTH] = std::array::from_fn(|slot| match node.children[slot] {
             Child::NONE => Try::default(),
@@ -41,13 +48,14 @@ pub fn most_promising_last(nodes: &mut [Node], blocks: &[Block]) {
         known[index] = Try::of_node(node, &order, &tries);
         node.permute(&order);
     }
+    Ok(())
 }
 
 impl Try {
     /// A leaf with triangles of these areas in a box of that half surface.
     fn of_leaf(areas: &[f32], half_surface: f32) -> Try {
         let within: f32 = areas.iter().sum();
-        let chance = 1.0 - (-within / half_surface.max(f32::MIN_POSITIVE)).exp();
+        let chance = 1.0 - libm::expf(-within / half_surface.max(f32::MIN_POSITIVE));
         Try { chance, cost: areas.len() as f32 }
     }
 
@@ -77,6 +85,7 @@ fn area(block: &Block) -> f32 {
 mod tests {
     use super::super::bounds::Bounds;
     use super::*;
+    use crate::accel::BuildOptions;
 
     /// A node with a large and nearly empty box, a small full one and a node below it that is emptier still.
     #[test]
@@ -92,7 +101,8 @@ mod tests {
         root.set(2, &cube(9.0), Child::node(1));
         below.set(0, &cube(9.0), Child::leaf(0, 1));
         let mut nodes = [root, below];
-        most_promising_last(&mut nodes, &[sparse, full]);
+        let options = BuildOptions::default();
+        most_promising_last(&mut nodes, &[sparse, full], &Progress::new(2, &options)).unwrap();
         let children = &nodes[0].children;
         assert_eq!(children[..3], [Child::node(1), Child::leaf(0, 1), Child::leaf(1, 1)]);
         assert!(children[3..].iter().all(|child| *child == Child::NONE));

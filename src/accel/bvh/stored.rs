@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Counts up whenever nodes or blocks have another form, or a build makes other ones.
-pub const LAYOUT: u32 = 1;
+pub const LAYOUT: u32 = 2;
 /// Numbers of a node: the planes, then the children.
 pub const NODE: usize = 7 * WIDTH;
 /// Numbers of a block: the corners, the meshes, the triangles.
