@@ -20,6 +20,9 @@ const ROUNDS: u32 = 16;
 /// So many rays to the sky are enough.
 const ENOUGH: usize = 1 << 13;
 
+/// Fewer after all rounds are leaks: shadow rays into them are not worth their time.
+const FEWEST: usize = 64;
+
 /// Rays of a path at most.
 const DEPTH: u32 = 6;
 
@@ -36,17 +39,18 @@ pub fn explore(
     accel: &dyn Intersector,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Openings> {
-    let (mut escapes, mut rays) = (Vec::new(), 0);
+    let (mut escapes, mut rays, mut error) = (Vec::new(), 0, 0.0f32);
     for round in 0..ROUNDS {
         if stop() {
             return None;
         }
         let chunks = (round * ROUND..(round + 1) * ROUND).into_par_iter();
         // In order, whoever traces them.
-        let found: Vec<(Vec<Escape>, u32)> = chunks.map(|chunk| trace(cx, accel, chunk)).collect();
-        for (some, traced) in found {
-            escapes.extend(some);
-            rays += u64::from(traced);
+        let found: Vec<Found> = chunks.map(|chunk| trace(cx, accel, chunk)).collect();
+        for some in found {
+            escapes.extend(some.escapes);
+            rays += u64::from(some.rays);
+            error = error.max(some.error);
         }
         if escapes.is_empty() || escapes.len() as f32 > OUTDOORS * rays as f32 {
             return None;
@@ -55,13 +59,26 @@ pub fn explore(
             break;
         }
     }
+    if escapes.len() < FEWEST {
+        return None;
+    }
     let share = escapes.len() as f32 / rays as f32;
-    Some(Openings::new(escapes, share))
+    Some(Openings::new(escapes, share, error))
 }
 
-/// One chunk of paths: the rays that found the sky, and how many rays there were.
-fn trace(cx: &Context<'_>, accel: &dyn Intersector, chunk: u32) -> (Vec<Escape>, u32) {
-    let (mut escapes, mut traced) = (Vec::new(), 0);
+/// What a chunk of paths found.
+#[derive(Default)]
+struct Found {
+    escapes: Vec<Escape>,
+    /// How many rays there were.
+    rays: u32,
+    /// The largest error of a point ([`Surface::error`]).
+    error: f32,
+}
+
+/// One chunk of paths.
+fn trace(cx: &Context<'_>, accel: &dyn Intersector, chunk: u32) -> Found {
+    let mut found = Found::default();
     let (mut rays, mut hits) = (Rays::default(), Hits::default());
     let mut from = [Vec3::ZERO; LANES];
     let number = |lane: usize, dimension| {
@@ -78,11 +95,11 @@ fn trace(cx: &Context<'_>, accel: &dyn Intersector, chunk: u32) -> (Vec<Escape>,
         alive = checked.active();
         accel.closest(checked, Coherence::Incoherent, &mut hits);
         for lane in lanes_of(alive) {
-            traced += u32::from(depth > 0);
+            found.rays += u32::from(depth > 0);
             if hits.mesh[lane] == MISS {
                 alive &= !(1 << lane);
                 if depth > 0 {
-                    escapes.push((from[lane], rays.d(lane)));
+                    found.escapes.push((from[lane], rays.d(lane)));
                 }
                 continue;
             }
@@ -91,11 +108,12 @@ fn trace(cx: &Context<'_>, accel: &dyn Intersector, chunk: u32) -> (Vec<Escape>,
             let n = if s.ng.dot(rays.d(lane)) < 0.0 { s.ng } else { -s.ng };
             let d = Frame::new(n).to_world(warp::cosine_hemisphere(number(lane, NUMBERS * (depth + 1))));
             from[lane] = s.p;
+            found.error = found.error.max(s.error);
             rays.set(lane, leave(s.p, s.error, s.ng, d), d, 0.0, f32::INFINITY);
         }
         if alive == 0 {
             break;
         }
     }
-    (escapes, traced)
+    found
 }

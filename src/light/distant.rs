@@ -111,8 +111,9 @@ impl Distants {
 
     /// From now on the environment is sampled through `openings`.
     pub fn add_openings(&mut self, openings: Openings) {
-        if let Some(environment) = &self.environment {
-            let irradiance = PI * luminance(environment.average()) * openings.share;
+        let irradiance =
+            self.environment.as_ref().map_or(0.0, |e| PI * luminance(e.average()) * openings.share);
+        if irradiance > 0.0 {
             self.candidates.push(Candidate { light: Distant::Environment, irradiance, place: None });
             self.openings = Some(openings);
         }
@@ -211,7 +212,7 @@ impl Distants {
             let chance = self.chance(Distant::Environment, tree, from);
             let pdf = match &self.openings {
                 _ if chance <= 0.0 => 0.0,
-                // The ray started a rounding away from the point that took the sample: as good as always in the same part.
+                // The ray started a rounding away from the point that took the sample: in the same part (`openings.rs`).
                 Some(openings) => chance * openings.pdf(from.p, d),
                 None => chance * environment.pdf(self.compensated, d),
             };

@@ -23,6 +23,9 @@ const DENSITY: f32 = BINS as f32 / (4.0 * PI);
 /// A part of space with fewer rays than twice as many is not halved.
 const FEWEST: usize = 128;
 
+/// How wide a gap is at least, in errors of a point: rays start an error or two away from their surface.
+const CLEAR: f32 = 16.0;
+
 /// A ray that found the sky: where it started, and its direction.
 pub type Escape = (Vec3, Vec3);
 
@@ -35,6 +38,8 @@ pub struct Openings {
     chances: Vec<[f32; BINS]>,
     /// Of all rays that were traced, those that found the sky.
     pub share: f32,
+    /// The width of the narrowest gap between points in which space is halved.
+    clear: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -46,15 +51,17 @@ enum Node {
 }
 
 impl Openings {
-    /// From rays that found the sky, at least one, which are `share` of all.
-    pub fn new(mut escapes: Vec<Escape>, share: f32) -> Openings {
-        let mut all = Openings { nodes: vec![Node::Part(0)], chances: Vec::new(), share };
+    /// From rays that found the sky, at least one, which are `share` of all. Rays start at most some two `error` away from
+    /// the surface that they leave.
+    pub fn new(mut escapes: Vec<Escape>, share: f32, error: f32) -> Openings {
+        let clear = CLEAR * error;
+        let mut all = Openings { nodes: vec![Node::Part(0)], chances: Vec::new(), share, clear };
         all.grow(0, &mut escapes);
         all
     }
 
     fn grow(&mut self, node: usize, rays: &mut [Escape]) {
-        let Some((axis, at)) = halve(rays) else {
+        let Some((axis, at)) = halve(rays, self.clear) else {
             self.nodes[node] = Node::Part(self.chances.len() as u32);
             self.chances.push(chances(rays));
             return;
@@ -118,18 +125,28 @@ fn bin_of(d: Vec3) -> usize {
     row.min(ROWS - 1) * COLUMNS + ((turn * COLUMNS as f32) as usize).min(COLUMNS - 1)
 }
 
-/// Where to halve the space of `rays`, which are sorted by it then: at the middle one along the longest side.
-fn halve(rays: &mut [Escape]) -> Option<(usize, f32)> {
+/// Where to halve the space of `rays`, which are sorted by it then: along the longest side on which they can be parted, in
+/// the widest gap of the middle half.
+///
+/// A sample is taken at a point of a surface, its density asked for at the start of a ray, a rounding off the surface. Walls are
+/// often parallel to an axis: were a plane as near to one as that, all of the wall would be lit by the one part and weighed
+/// by the other. So a gap is far wider than rounding, and no plane is in its middle, where another wall may well be.
+fn halve(rays: &mut [Escape], clear: f32) -> Option<(usize, f32)> {
     if rays.len() < 2 * FEWEST {
         return None;
     }
     let bounds = rays.iter().fold(Aabb::EMPTY, |all, (p, _)| all.grow(*p));
     let side = bounds.extent();
-    let axis = if side.x >= side.y.max(side.z) { 0 } else { 1 + usize::from(side.z > side.y) };
-    rays.sort_by(|(p, _), (q, _)| p[axis].total_cmp(&q[axis]));
-    let at = rays[rays.len() / 2].0[axis];
-    // Many in one place cannot be parted.
-    (rays[0].0[axis] < at).then_some((axis, at))
+    let mut axes = [0, 1, 2];
+    axes.sort_by(|&a, &b| side[b].total_cmp(&side[a]));
+    axes.into_iter().find_map(|axis| {
+        rays.sort_by(|(p, _), (q, _)| p[axis].total_cmp(&q[axis]));
+        let gap = |i: &usize| rays[*i].0[axis] - rays[*i - 1].0[axis];
+        let middle = rays.len() / 4 + 1..rays.len() - rays.len() / 4;
+        let widest = middle.max_by(|i, j| gap(i).total_cmp(&gap(j)))?;
+        let below = rays[widest - 1].0[axis];
+        (gap(&widest) > clear).then_some((axis, below + 0.382 * gap(&widest)))
+    })
 }
 
 /// The chance of each bin and all before it: each ray counts in its bin and those around it, so that a few rays cover
@@ -157,6 +174,7 @@ fn chances(rays: &[Escape]) -> [f32; BINS] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shape::surface::ROUNDING;
 
     /// Rays to a window of a room, from all over its floor.
     fn to_a_window() -> Openings {
@@ -165,7 +183,7 @@ mod tests {
             let from = Vec3::new(4.0 * part(17), 4.0 * part(101), 0.0);
             (from, (Vec3::new(0.0, 1.0 + part(251), 1.0 + part(499)) - from).normalize())
         };
-        Openings::new((0..1009).map(ray).collect(), 0.01)
+        Openings::new((0..1009).map(ray).collect(), 0.01, 1e-5)
     }
 
     /// The samples of a fine grid fall as often into a bin as the density says, and know their own.
@@ -204,11 +222,38 @@ mod tests {
         assert_eq!(openings.pdf(near, -Vec3::Z), 0.0);
     }
 
+    /// On the faces of a room, also of one whose coordinates are rounded, a ray's start is in the part of its surface.
+    #[test]
+    fn parts_do_not_end_at_walls() {
+        for size in [Vec3::new(12.0, 12.0, 2.5), Vec3::new(8.1, 7.9, 2.7), Vec3::new(300.3, 5.7, 2.9)] {
+            let part = |k: usize, step: usize| ((k * step) % 10_007) as f32 / 10_007.0;
+            let inside = |k: usize| Vec3::new(part(k, 17), part(k, 4001), part(k, 251)) * size;
+            let face = |k: usize| {
+                let mut p = inside(k);
+                p[k % 3] = if k % 6 < 3 { 0.0 } else { size[k % 3] };
+                // The last digit, as points on a triangle have it.
+                p[k % 3] *= 1.0 + f32::EPSILON * (k % 5) as f32;
+                p
+            };
+            let window = Vec3::new(0.0, 0.5, 0.6) * size;
+            let ray = |k: usize| (face(k), (window + 0.1 * inside(k) - face(k)).normalize());
+            let error = ROUNDING * size.max_element();
+            let openings = Openings::new((0..10_007).map(ray).collect(), 0.01, error);
+            assert!(openings.chances.len() > 30, "{} parts", openings.chances.len());
+            for k in 0..10_007 {
+                let (p, mut q) = (face(k), face(k));
+                let axis = k % 3;
+                q[axis] += 2.0 * error * if k % 6 < 3 { 1.0 } else { -1.0 };
+                assert!(std::ptr::eq(openings.at(p), openings.at(q)), "{p} of {size}");
+            }
+        }
+    }
+
     /// Thousands in one place, and a single one.
     #[test]
     fn crowds_and_single_rays_end() {
         for count in [1, 5000] {
-            let openings = Openings::new(vec![(Vec3::ONE, Vec3::Z); count], 0.5);
+            let openings = Openings::new(vec![(Vec3::ONE, Vec3::Z); count], 0.5, 1e-5);
             assert_eq!(openings.nodes.len(), 1);
             let (d, pdf) = openings.sample(Vec3::ZERO, [0.999_999_9, 0.5]);
             assert!(pdf > 0.0 && d.z > 0.85);

@@ -34,7 +34,6 @@ impl Picture<'_> {
     pub fn render<I: Integrator>(&self, integrator: &I) -> Result<Rendering> {
         let s = self.settings;
         let mut cx = Context::new(self.scene, s)?;
-        cx.look_out(s, self.accel, self.hooks.stop);
         if let Some(grid) = s.rule.grid()
             && grid.points() != u64::from(s.spp)
         {
@@ -50,6 +49,7 @@ impl Picture<'_> {
         // What the end needs is asked for before the first sample, not after the last.
         memory::probe(developed(s) as usize + memory::HEADROOM)
             .map_err(|_| Error::new("not enough memory for the picture").advise("take a smaller --size"))?;
+        cx.look_out(s, self.accel, self.hooks.stop);
         let crop = s.crop.unwrap_or([0, 0, s.size[0], s.size[1]]);
         let tiles = touched_tiles(crop, film.tiles()[0]);
         let done = AtomicU64::new(0);

@@ -1,5 +1,6 @@
 //! Rooms into which little of a constant sky is seen: light samples are taken through the openings.
 
+use crate::direct::lambert;
 use crate::harness::{Stage, Statistics, obj, on_every_backend, stage};
 use drt::accel::Backend;
 use std::f64::consts::PI;
@@ -73,6 +74,76 @@ fn a_hole_in_the_ceiling_lights_the_floor_as_its_form_factor_says() {
         known.expect("through the hole", exact, 2e-5);
         let by_chance = statistics(&room(0.0, "", backend, &["render.lights=bsdf"]), 1024);
         assert!(known.error < 0.1 * by_chance.error, "{} {}", known.error, by_chance.error);
+    });
+}
+
+/// A flat room of 12 m by 12 m by 2.5 m with a window in the wall x = 0, as grey squares and rectangles of 4 m² and more. Camera
+/// and pixels: `view`.
+fn flat_room(view: &str, backend: Backend) -> Stage {
+    let (a, h) = (12.0, 2.5);
+    let [y, z] = WINDOW;
+    let beside = |[y0, y1]: [f64; 2], [z0, z1]: [f64; 2]| {
+        vec![[0.0, y0, z0], [0.0, y1, z0], [0.0, y1, z1], [0.0, y0, z1]]
+    };
+    let level = |z: f64| vec![[0.0, 0.0, z], [a, 0.0, z], [a, a, z], [0.0, a, z]];
+    let shell = [
+        level(0.0),
+        level(h),
+        beside([0.0, y[0]], [0.0, h]),
+        beside([y[1], a], [0.0, h]),
+        beside(y, [0.0, z[0]]),
+        beside(y, [z[1], h]),
+        vec![[a, 0.0, 0.0], [a, a, 0.0], [a, a, h], [a, 0.0, h]],
+        vec![[0.0, 0.0, 0.0], [a, 0.0, 0.0], [a, 0.0, h], [0.0, 0.0, h]],
+        vec![[0.0, a, 0.0], [a, a, 0.0], [a, a, h], [0.0, a, h]],
+    ];
+    let toml = format!(
+        "[camera]\ntype = \"orthographic\"\n{view}\n[render]\nspp = 64\nmax_depth = 1\n\
+         [[mesh]]\nfile = \"shell.obj\"\nmaterial = \"grey\"\n\
+         [materials.grey]\ntype = \"diffuse\"\nreflectance = 0.5\n\
+         [[light]]\ntype = \"environment\"\nradiance = 1.0\n"
+    );
+    stage(&toml, &[("shell.obj", obj(&shell))], backend, &[])
+}
+
+/// The window's sides along y and z.
+const WINDOW: [[f64; 2]; 2] = [[5.0, 7.0], [1.0, 2.0]];
+
+/// Walls that are parallel to the axes, as those of rooms are: what is learnt where is asked for at the same place by
+/// light samples on the surface and by rays that start a rounding off it. The whole ceiling, and most of the wall opposite.
+#[test]
+fn a_window_lights_all_of_the_ceiling_and_the_wall_as_lambert_says() {
+    let [y, z] = WINDOW;
+    let corners = [[y[0], z[0]], [y[1], z[0]], [y[1], z[1]], [y[0], z[1]]];
+    let mean = |n: [usize; 2], at: &dyn Fn(f64, f64) -> f64| -> f64 {
+        let each = |k: usize| {
+            let (i, j) = (k % n[0], k / n[0]);
+            at((i as f64 + 0.5) / n[0] as f64, (j as f64 + 0.5) / n[1] as f64)
+        };
+        (0..n[0] * n[1]).map(each).sum::<f64>() / (n[0] * n[1]) as f64
+    };
+    // Seen from the receiver, whose normal is +z.
+    let above = corners.map(|[y, z]| [0.0, y, 2.5 - z]);
+    let ceiling = mean([120, 120], &|s, t| lambert(&above, [0.05 + 11.9 * s, 0.05 + 11.9 * t, 0.0]));
+    let opposite = corners.map(|[y, z]| [y, z, 12.0]);
+    let wall = mean([120, 30], &|s, t| lambert(&opposite, [1.2 + 9.6 * s, 0.05 + 2.4 * t, 0.0]));
+    let views = [
+        (
+            "position = [6, 6, 1]\nlook_at = [6, 6, 2.5]\nup = [0, 1, 0]\nheight = 11.9\n[film]\nsize = [8, 8]",
+            ceiling,
+        ),
+        (
+            "position = [6, 6, 1.25]\nlook_at = [12, 6, 1.25]\nup = [0, 0, 1]\nheight = 2.4\n[film]\nsize = [16, 4]",
+            wall,
+        ),
+    ];
+    on_every_backend(|backend| {
+        for (view, irradiance) in views {
+            let stage = flat_room(view, backend);
+            // Three percent either way would be seen; weighed by the wrong part, the ceiling was too bright by half.
+            let verdict = statistics(&stage, 512).verdict(0.5 / PI * irradiance, 1e-3, 0.03);
+            verdict.unwrap_or_else(|why| panic!("{view}: {why}"));
+        }
     });
 }
 
