@@ -18,9 +18,9 @@ fn small_scenes_are_measured() {
         let bench = Bench::make(name, &args).unwrap().unwrap();
         let m = measure::measure(&bench, "bvh", &args).unwrap();
         assert_eq!((m.samples, m.rays[0]), (24.0 * 24.0 * 8.0, 24 * 24 * 8));
-        assert!(m.rays[1] > 0 && (m.rays[2] > 0) == ["S1", "U2"].contains(&name), "{name}: {:?}", m.rays);
-        // Eight samples in a room with one window find next to nothing.
-        assert!(m.error > 1e-4 && m.error < if name == "U4" { 1e4 } else { 1.0 }, "{name}: {}", m.error);
+        assert!(m.rays[1] > 0 && (m.rays[2] > 0) == (name != "S3"), "{name}: {:?}", m.rays);
+        // Eight samples in a room with one window are few.
+        assert!(m.error > 1e-4 && m.error < if name == "U4" { 10.0 } else { 1.0 }, "{name}: {}", m.error);
         assert!(m.replayed > 0.0 && m.inside > 0.0 && m.inside < 1.0);
         assert!(m.bytes.iter().all(|b| *b > 0.0));
     }
