@@ -1,6 +1,6 @@
 //! OpenEXR: the colour channels of the first layer that has them, of any sample type.
 
-use super::{Encoding, Picture, check_size};
+use super::{Encoding, Memory, Picture, check_room, check_size};
 use crate::error::{Error, Result};
 use crate::film::Image;
 use crate::texture::{Data, Texels};
@@ -31,7 +31,10 @@ impl Grid {
     }
 }
 
-pub(super) fn decode(bytes: &[u8]) -> Result<Picture> {
+pub(super) fn decode(bytes: &[u8], memory: Memory) -> Result<Picture> {
+    let [width, height] = size_of(&mut Cursor::new(bytes))?;
+    let (width, height) = check_size(width, height)?;
+    check_room(width, height, memory)?;
     let (header, grid) = pixels(Cursor::new(bytes))?;
     Ok(Picture { image: with_windows(&header, &grid), encoding: Encoding::Linear })
 }

@@ -12,6 +12,7 @@ pub(crate) mod texels;
 use super::open::Reach;
 use crate::error::{Error, Result};
 use crate::film::Image;
+use crate::memory::{self, Left};
 use crate::texture::Transfer;
 use ::image::ImageFormat;
 use std::io::Read;
@@ -22,6 +23,15 @@ pub const MOST_PIXELS: u64 = 1 << 28;
 
 /// A file of more bytes than the most pixels can need, four bytes for each of four channels, is refused.
 const MOST_BYTES: u64 = 16 * MOST_PIXELS;
+
+/// Bytes a pixel while a picture is decoded: its codes, and its linear colours as they come and by channel.
+const PEAK: u64 = 4 + 12 + 12;
+
+/// A picture that takes less is decoded without a look at the memory that is left, which would take longer.
+const SMALL: u64 = 16 << 20;
+
+/// Says how much memory is left.
+pub type Memory = fn() -> Option<Left>;
 
 /// What a file's values mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,7 +55,7 @@ pub struct Picture {
 /// Reads the picture `path`.
 ///
 /// # Errors
-/// The system's reason; an unknown format; a damaged file; more than [`MOST_PIXELS`] pixels.
+/// The system's reason; an unknown format; a damaged file; more than [`MOST_PIXELS`] pixels, or than fit into memory.
 pub fn read(path: &Path) -> Result<Picture> {
     read_within(&Reach::Anywhere, path)
 }
@@ -69,10 +79,18 @@ pub(crate) fn read_within(reach: &Reach, path: &Path) -> Result<Picture> {
 /// # Errors
 /// As [`read`], without the file's name.
 pub fn decode(bytes: &[u8]) -> Result<Picture> {
+    decode_in(memory::left, bytes)
+}
+
+/// As [`decode`], in what `memory` says is left.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_in(memory: Memory, bytes: &[u8]) -> Result<Picture> {
     match kind_of(bytes) {
-        Some(Kind::Exr) => exr::decode(bytes),
-        Some(Kind::Pfm) => pfm::decode(bytes),
-        Some(Kind::Coded(format)) => coded(bytes, format),
+        Some(Kind::Exr) => exr::decode(bytes, memory),
+        Some(Kind::Pfm) => pfm::decode(bytes, memory),
+        Some(Kind::Coded(format)) => coded(bytes, format, memory),
         None if bytes.is_empty() => Err(Error::new("the file is empty")),
         None => Err(Error::new("not a picture that can be read").advise(format!("known: {KNOWN}"))),
     }
@@ -140,9 +158,22 @@ fn check_size(width: u64, height: u64) -> Result<(u32, u32)> {
     }
 }
 
+/// Refuses a picture of a size that was checked, if it does not fit into memory: a kilobyte can say that it is millions
+/// of pixels, and nothing more could be said once the process is killed.
+fn check_room(width: u32, height: u32, memory: Memory) -> Result<()> {
+    let needed = u64::from(width) * u64::from(height) * PEAK;
+    match (needed > SMALL).then(memory).flatten() {
+        Some(left) if left.bytes < needed => {
+            let what = format!("a picture of {width}x{height} pixels");
+            Err(memory::refused(needed, &what, left, "scale the picture down"))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// What the `image` crate reads, as linear colours.
-fn coded(bytes: &[u8], format: ImageFormat) -> Result<Picture> {
-    let (texels, transfer) = texels::coded_bytes(bytes, format)?;
+fn coded(bytes: &[u8], format: ImageFormat, memory: Memory) -> Result<Picture> {
+    let (texels, transfer) = texels::coded_bytes(bytes, format, memory)?;
     let [width, height] = texels.size();
     let pixels: Vec<[f32; 3]> = texels.pixels(transfer).map(|[r, g, b, _]| [r, g, b]).collect();
     let encoding = if transfer == Transfer::Srgb { Encoding::Display } else { Encoding::Linear };

@@ -1,7 +1,7 @@
 //! Portable float map: `PF` (colour) or `Pf` (grey), width, height, scale; rows from the bottom. The scale's sign is
 //! the byte order, negative for little endian; its size has no agreed meaning and is ignored, as most readers do.
 
-use super::{Encoding, Picture, check_size};
+use super::{Encoding, Memory, Picture, check_room, check_size};
 use crate::error::{Error, Result};
 use crate::film::Image;
 use crate::texture::{Data, Texels};
@@ -51,7 +51,10 @@ fn samples(bytes: &[u8]) -> Result<([u32; 2], usize, Vec<f32>)> {
     Ok(([width, height], channels, rows.flatten().map(value).collect()))
 }
 
-pub(super) fn decode(bytes: &[u8]) -> Result<Picture> {
+pub(super) fn decode(bytes: &[u8], memory: Memory) -> Result<Picture> {
+    let [width, height] = header(bytes)?.size;
+    let (width, height) = check_size(width, height)?;
+    check_room(width, height, memory)?;
     let ([width, height], channels, values) = samples(bytes)?;
     let pixels: Vec<[f32; 3]> = values.chunks_exact(channels).map(colour).collect();
     Ok(Picture { image: Image::from_rgb(width, height, &pixels, String::new()), encoding: Encoding::Linear })

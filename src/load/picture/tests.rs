@@ -1,6 +1,7 @@
 //! Judges: the encoders of `output` (tested against other readers), bytes written by hand, the `exr` crate's writer.
 
 use super::*;
+use crate::memory::Limit;
 use crate::output::{self, FORMATS, Format};
 use ::exr::prelude::f16;
 use std::io::Cursor;
@@ -103,6 +104,20 @@ fn pfm_has_rows_from_the_bottom_and_two_byte_orders() {
 fn a_radiance_header_that_promises_too_much_is_refused() {
     let header = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4000000 +X 4000000\n";
     assert!(decode(header).unwrap_err().message.contains("cannot be read"));
+}
+
+#[test]
+fn a_picture_that_does_not_fit_into_memory_is_refused() {
+    let little = || Some(Left { bytes: 16 << 20, limit: Limit::Machine });
+    for entry in &FORMATS {
+        assert!(decode_in(little, &encoded(&gradient(10, 10), entry.format)).is_ok(), "{:?}", entry.format);
+        let large = encoded(&gradient(1000, 700), entry.format);
+        let error = decode_in(little, &large).unwrap_err().to_string();
+        assert!(error.contains("about 20 MB are needed (a picture of 1000x700 pixels)"), "{error}");
+    }
+    // Nothing is read but the header.
+    let header = decode_in(little, b"PF\n9999 9999\n-1\n").unwrap_err().to_string();
+    assert!(header.contains("not enough memory"), "{header}");
 }
 
 #[test]

@@ -216,12 +216,17 @@ pub(super) fn coded<R: BufRead + Seek>(
 }
 
 /// [`coded`] of bytes in memory, refused by their header if there are too many pixels.
-pub(super) fn coded_bytes(bytes: &[u8], format: ImageFormat) -> Result<(Texels, Transfer)> {
+pub(super) fn coded_bytes(
+    bytes: &[u8],
+    format: ImageFormat,
+    memory: super::Memory,
+) -> Result<(Texels, Transfer)> {
     // The decoders' own words may hold the file's.
     let damaged = |_: ::image::ImageError| super::damaged("picture");
     let decoder = reader(Cursor::new(bytes), format, u64::MAX).into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     super::check_size(width.into(), height.into())?;
+    super::check_room(width, height, memory)?;
     let most = decoder.total_bytes();
     coded(Cursor::new(bytes), format, most).map_err(damaged)
 }
