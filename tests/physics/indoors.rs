@@ -181,8 +181,9 @@ fn outdoors_there_are_no_light_samples_of_a_constant_sky() {
     let toml = "[camera]\nposition = [0, 0, 3]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\n[film]\nsize = [8, 8]\n[[mesh]]\nfile = \"m.obj\"\n\
                 [[light]]\ntype = \"environment\"\nradiance = 1.0\n";
     let square = vec![[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0, 9.0, 0.0]];
+    let files = [("m.obj", obj(&[square]))];
     on_every_backend(|backend| {
-        let stage = stage(toml, &[("m.obj", obj(&[square.clone()]))], backend, &[]);
+        let stage = stage(toml, &files, backend, &[]);
         assert_eq!(stage.render(|s| s.spp = 4).1.shadow_rays, 0);
     });
 }
