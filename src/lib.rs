@@ -22,7 +22,7 @@
 //! | a picture on a surface: texels, filters, normals from heights | [`texture`]; its files: `load/texture` |
 //! | how rays pass holes in surfaces | [`integrator`], `cutout.rs` |
 //! | into how many paths samples split, and what a preview lacks | [`sampler`], `splits.rs`; who walks them: `path.rs` |
-//! | which lamp is sampled, and where lamps are that move | [`light`], `tree.rs`, `lights.rs` and `lights/instanced.rs` |
+//! | which lamp is sampled, and where lamps are that move | [`light`], `tree.rs`, `lights.rs`, `lights/collect.rs` and `lights/instanced.rs` |
 //! | where a room sees the sky | `light/openings.rs`, learnt by `integrator/explore.rs` |
 //! | a BRDF, a light, a camera, a filter, a sampler | one file each in [`bsdf`], [`light`], [`camera`], [`film`], [`sampler`] |
 //! | who intersects, and who judges | [`accel`]: the trait, Embree, our BVH, the f64 judge |

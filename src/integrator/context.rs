@@ -96,36 +96,39 @@ impl<'a> Context<'a> {
             IntegratorKind::Distribution { rule, .. } => rule == HemisphereRule::Importance,
             IntegratorKind::Ao { .. } | IntegratorKind::Normals => false,
         };
-        let samples_lights = lit && !lights.is_empty();
-        // One lamp is sampled so well that the first hit's shadows are the least of a picture's errors.
-        let splits_light_samples = lights.only_patch().is_none();
-        Ok(Context {
+        let mut cx = Context {
             meshes: &scene.meshes,
             instances: &scene.instances,
             shutter: scene.camera.shutter,
             moves: scene.moves(),
             materials: &scene.materials,
-            dimensions: Dimensions::new(
-                camera.has_lens(),
-                scene.moves(),
-                has_lobes,
-                samples_lights.then(|| lights.has_choice()),
-            ),
+            dimensions: Dimensions::new(camera.has_lens(), scene.moves(), has_lobes, None),
             lights,
             splits: settings.splits(scene),
-            splits_light_samples,
+            splits_light_samples: false,
             camera,
             pixel: PixelPoints::new(settings.rule, FilterSampler::new(settings.filter))?,
             sampler: Sampler::new(settings.sampler, settings.seed, settings.spp),
             random: Sampler::new(SamplerKind::Random, settings.seed, settings.spp),
-            samples_lights,
+            samples_lights: false,
             has_lobes,
             has_mixes: scene.materials.iter().any(|m| m.mix.is_some()),
             has_maps: scene.materials.iter().any(|m| m.maps.is_some()),
             has_cutouts,
             brightest: settings.clamp.map_or(f64::INFINITY, f64::from),
             size: settings.size,
-        })
+        };
+        cx.plan_light_samples(lit);
+        Ok(cx)
+    }
+
+    /// Decides all that depends on which lights there are to sample; `lit`: whether vertices sample any.
+    fn plan_light_samples(&mut self, lit: bool) {
+        self.samples_lights = lit && !self.lights.is_empty();
+        // One lamp is sampled so well that the first hit's shadows are the least of a picture's errors.
+        self.splits_light_samples = self.lights.only_patch().is_none();
+        let choice = self.samples_lights.then(|| self.lights.has_choice());
+        self.dimensions = Dimensions::new(self.camera.has_lens(), self.moves, self.has_lobes, choice);
     }
 
     /// Looks where the sky is seen from, and takes light samples of it from now on, where that is worth it: a constant
@@ -143,10 +146,7 @@ impl<'a> Context<'a> {
         }
         if let Some(openings) = explore(self, accel, stop) {
             self.lights.add_openings(openings);
-            self.samples_lights = true;
-            let choice = Some(self.lights.has_choice());
-            self.dimensions = Dimensions::new(self.camera.has_lens(), self.moves, self.has_lobes, choice);
-            self.splits_light_samples = self.lights.only_patch().is_none();
+            self.plan_light_samples(true);
         }
     }
 

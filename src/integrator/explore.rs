@@ -29,7 +29,7 @@ const DEPTH: u32 = 6;
 /// Above this share of rays that find the sky by themselves, there is nothing to look for.
 const OUTDOORS: f32 = 0.1;
 
-/// The dimension of a ray's direction; the next path's index follows.
+/// Dimensions of a ray's direction; the first two are the place in the picture.
 const NUMBERS: u32 = 2;
 
 /// Where the sky is seen from, if the scene is indoors and there is a way out. Of the same scene, camera and seed it

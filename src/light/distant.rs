@@ -103,10 +103,7 @@ impl Distants {
     /// True where light samples would only pay if they knew where to look: BSDF samples find a constant environment as
     /// well, unless little of it is seen.
     pub fn wants_openings(&self) -> bool {
-        let environment = self.environment.as_ref();
-        self.compensated
-            && environment
-                .is_some_and(|e| matches!(e, Environment::Constant(_)) && luminance(e.average()) > 0.0)
+        self.compensated && matches!(self.environment, Some(Environment::Constant(l)) if luminance(l) > 0.0)
     }
 
     /// From now on the environment is sampled through `openings`.

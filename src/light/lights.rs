@@ -4,15 +4,15 @@
 //! in a short list ([`distant`](super::distant)). Every choice has a probability that can be asked for from the other end,
 //! when a ray meets a light by itself.
 
+mod collect;
 mod instanced;
 
-use super::bounds::{Cone, LightBounds};
 use super::distant::{Distant, Distants};
 use super::patch::{self, Patch};
 use super::single::{sample_directional, sample_point, sample_sphere, sample_spot};
 use super::tree::LightTree;
 use super::{Emission, Light, LightSample, Openings, Point, Receiver, Sphere, Spot, Sun, reach};
-use crate::math::{Aabb, Rgb, Vec3, luminance};
+use crate::math::{Rgb, Vec3};
 use crate::shape::{Instances, Mesh, Surface};
 use instanced::Lamp;
 use std::sync::Arc;
@@ -123,66 +123,6 @@ impl Lights {
         lights.collect_others(sampled.deltas, &mut bounds);
         lights.tree = LightTree::new(&bounds);
         lights
-    }
-
-    /// Adds the emissive triangles of a mesh, two that make a rectangle as one.
-    fn collect_patches(&mut self, id: u32, mesh: &Mesh, bounds: &mut Vec<LightBounds>) -> Owners {
-        let shines = |t: usize| {
-            let emission = self.emissions.get(mesh.materials.get(t) as usize);
-            emission.is_some_and(|e| luminance(e.radiance) > 0.0)
-        };
-        // Most scenes have no such material, and millions of triangles.
-        if !self.emissions.iter().any(|e| luminance(e.radiance) > 0.0) {
-            return Owners::default();
-        }
-        let Some(first) = (0..mesh.indices.len()).find(|t| shines(*t)) else { return Owners::default() };
-        let end = (first..mesh.indices.len()).rev().find(|t| shines(*t)).map_or(first, |t| t + 1);
-        let mut emitters = vec![NONE; end - first];
-        let mut t = first;
-        while t < end {
-            let material = mesh.materials.get(t);
-            let shining = self.emissions.get(material as usize).filter(|e| luminance(e.radiance) > 0.0);
-            let pair = t + 1 < end && mesh.materials.get(t + 1) == material;
-            // A picture is looked up in one triangle.
-            let rectangle = shining.filter(|e| pair && !e.varies()).and_then(|_| Patch::new(mesh, t, true));
-            let size = 1 + usize::from(rectangle.is_some());
-            let patch = rectangle.or_else(|| shining.and_then(|_| Patch::new(mesh, t, false)));
-            if let (Some(patch), Some(emission)) = (patch, shining) {
-                emitters[t - first..t - first + size].fill(self.emitters.len() as u32);
-                bounds.push(patch.bounds(emission.luminance_over(mesh, t), emission.two_sided));
-                self.emitters.push(Emitter::Patch { patch: self.patches.len() as u32, material });
-                self.patches.push(patch);
-                self.sources.push([id, t as u32]);
-            }
-            t += size;
-        }
-        Owners { first: first as u32, emitters }
-    }
-
-    /// Adds points and spots (if `deltas`) and spheres.
-    fn collect_others(&mut self, deltas: bool, bounds: &mut Vec<LightBounds>) {
-        let at = |p: Vec3, radius: f32, cone: Cone, strength: f32| LightBounds {
-            bounds: Aabb::EMPTY.grow(p - radius).grow(p + radius),
-            cone,
-            two_sided: false,
-            strength,
-        };
-        for (i, p) in self.points.iter().enumerate().filter(|_| deltas) {
-            self.emitters.push(Emitter::Point(i as u32));
-            bounds.push(at(p.position, 0.0, Cone::ALL, luminance(p.intensity)));
-        }
-        for (i, s) in self.spots.iter().enumerate().filter(|_| deltas) {
-            self.emitters.push(Emitter::Spot(i as u32));
-            // Just beyond the cone's edge, where rounding may think itself outside.
-            let cone = Cone { axis: s.direction, cos_normals: s.cos_outer, cos_light: 0.999 };
-            bounds.push(at(s.position, 0.0, cone, luminance(s.intensity)));
-        }
-        for (i, s) in self.spheres.iter().enumerate() {
-            self.sphere_emitter.push(self.emitters.len() as u32);
-            self.emitters.push(Emitter::Sphere(i as u32));
-            let strength = std::f32::consts::PI * s.radius * s.radius * luminance(s.radiance);
-            bounds.push(at(s.center, s.radius, Cone::ALL, strength));
-        }
     }
 
     /// True when there is nothing to sample.

@@ -38,8 +38,6 @@ pub struct Openings {
     chances: Vec<[f32; BINS]>,
     /// Of all rays that were traced, those that found the sky.
     pub share: f32,
-    /// The width of the narrowest gap between points in which space is halved.
-    clear: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -54,25 +52,23 @@ impl Openings {
     /// From rays that found the sky, at least one, which are `share` of all. Rays start at most some two `error` away from
     /// the surface that they leave.
     pub fn new(mut escapes: Vec<Escape>, share: f32, error: f32) -> Openings {
-        let clear = CLEAR * error;
-        let mut all = Openings { nodes: vec![Node::Part(0)], chances: Vec::new(), share, clear };
-        all.grow(0, &mut escapes);
+        let mut all = Openings { nodes: vec![Node::Part(0)], chances: Vec::new(), share };
+        all.grow(0, &mut escapes, CLEAR * error);
         all
     }
 
-    fn grow(&mut self, node: usize, rays: &mut [Escape]) {
-        let Some((axis, at)) = halve(rays, self.clear) else {
+    fn grow(&mut self, node: usize, rays: &mut [Escape], clear: f32) {
+        let Some((axis, at, middle)) = halve(rays, clear) else {
             self.nodes[node] = Node::Part(self.chances.len() as u32);
             self.chances.push(chances(rays));
             return;
         };
-        let middle = rays.iter().position(|(p, _)| p[axis] >= at).unwrap_or(rays.len());
         let (low, high) = rays.split_at_mut(middle);
         let below = self.nodes.len();
         self.nodes.extend([Node::Part(0); 2]);
         self.nodes[node] = Node::Halves { axis: axis as u8, at, below: below as u32 };
-        self.grow(below, low);
-        self.grow(below + 1, high);
+        self.grow(below, low, clear);
+        self.grow(below + 1, high, clear);
     }
 
     /// The chances at a place.
@@ -125,13 +121,13 @@ fn bin_of(d: Vec3) -> usize {
     row.min(ROWS - 1) * COLUMNS + ((turn * COLUMNS as f32) as usize).min(COLUMNS - 1)
 }
 
-/// Where to halve the space of `rays`, which are sorted by it then: along the longest side on which they can be parted, in
+/// Where to halve the space of `rays`, which are sorted by it then, and how many are below: along the longest side on which they can be parted, in
 /// the widest gap of the middle half.
 ///
 /// A sample is taken at a point of a surface, its density asked for at the start of a ray, a rounding off the surface. Walls are
 /// often parallel to an axis: were a plane as near to one as that, all of the wall would be lit by the one part and weighed
 /// by the other. So a gap is far wider than rounding, and no plane is in its middle, where another wall may well be.
-fn halve(rays: &mut [Escape], clear: f32) -> Option<(usize, f32)> {
+fn halve(rays: &mut [Escape], clear: f32) -> Option<(usize, f32, usize)> {
     if rays.len() < 2 * FEWEST {
         return None;
     }
@@ -145,7 +141,7 @@ fn halve(rays: &mut [Escape], clear: f32) -> Option<(usize, f32)> {
         let middle = rays.len() / 4 + 1..rays.len() - rays.len() / 4;
         let widest = middle.max_by(|i, j| gap(i).total_cmp(&gap(j)))?;
         let below = rays[widest - 1].0[axis];
-        (gap(&widest) > clear).then_some((axis, below + 0.382 * gap(&widest)))
+        (gap(&widest) > clear).then_some((axis, below + 0.382 * gap(&widest), widest))
     })
 }
 

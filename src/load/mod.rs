@@ -37,7 +37,7 @@ pub use input::STDIN;
 pub use scene_file::Override;
 
 use crate::error::{Error, Findings, Result};
-use crate::memory::{self, Left};
+use crate::memory;
 use crate::scene::{Scene, Settings};
 use auto::{Up, View};
 use open::Reach;
@@ -68,7 +68,7 @@ pub struct Options<'a> {
     /// [`cancelled`].
     pub progress: &'a (dyn Fn(f64) -> bool + Sync),
     /// Says how much memory is left before meshes are read; by default, [`memory::left`].
-    pub memory: fn() -> Option<Left>,
+    pub memory: picture::Memory,
 }
 
 impl Default for Options<'_> {

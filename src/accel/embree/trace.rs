@@ -111,7 +111,11 @@ pub(super) fn closest_by(way: Way, scene: &Scene, width: Width, rays: Checked<'_
     let mut areas = [0.0; LANES];
     let to = &mut (hits, &mut areas);
     match width {
-        _ if way == Way::Single => closest_singly(scene, rays, active, to),
+        _ if way == Way::Single => {
+            for lane in lanes_of(active) {
+                closest_one(scene, rays, lane, to);
+            }
+        }
         Width::Sixteen => closest16(scene, rays, active, 0, coherent, to),
         Width::Eight => for_parts::<8>(active, |at| closest8(scene, rays, active, at, coherent, to)),
         Width::Four => for_parts::<4>(active, |at| closest4(scene, rays, active, at, coherent, to)),
@@ -125,7 +129,11 @@ pub(super) fn occluded_by(way: Way, scene: &Scene, width: Width, rays: Checked<'
     let (rays, active, coherent) = (rays.rays(), rays.active(), way == Way::CoherentPacket);
     let mut hit = 0;
     match width {
-        _ if way == Way::Single => hit = occluded_singly(scene, rays, active),
+        _ if way == Way::Single => {
+            for lane in lanes_of(active) {
+                hit |= occluded_one(scene, rays, lane);
+            }
+        }
         Width::Sixteen => hit = occluded16(scene, rays, active, 0, coherent),
         Width::Eight => for_parts::<8>(active, |at| hit |= occluded8(scene, rays, active, at, coherent)),
         Width::Four => for_parts::<4>(active, |at| hit |= occluded4(scene, rays, active, at, coherent)),
@@ -171,35 +179,25 @@ pub(super) fn ray_hit(rays: &Rays, lane: usize) -> sys::RTCRayHit {
     query
 }
 
-/// All of a chunk's queries are written before the first is traced: Embree reads a query in wide loads, which wait for
-/// narrow stores that are still on their way (a tenth of a ray's time).
-fn closest_singly(scene: &Scene, rays: &Rays, active: Mask, (hits, areas): &mut To<'_>) {
-    let mut queries: [sys::RTCRayHit; LANES] = std::array::from_fn(|lane| ray_hit(rays, lane));
-    for lane in lanes_of(active) {
-        // SAFETY: the scene is committed, the structure is Embree's own type, the ray passed the gate.
-        unsafe { sys::drt_rtc_intersect1(scene.handle(), false, &mut queries[lane]) }
-    }
-    for lane in lanes_of(active) {
-        let query = &queries[lane];
-        let hit = query.hit.geomID != MISS;
-        hits.t[lane] = if hit { query.ray.tfar } else { f32::INFINITY };
-        hits.u[lane] = query.hit.u;
-        hits.v[lane] = query.hit.v;
-        hits.mesh[lane] = query.hit.geomID;
-        hits.triangle[lane] = if hit { query.hit.primID } else { MISS };
-        let sys::RTCHit { Ng_x, Ng_y, Ng_z, .. } = query.hit;
-        areas[lane] = (rays.dx[lane] * Ng_x + rays.dy[lane] * Ng_y + rays.dz[lane] * Ng_z).abs();
-    }
+fn closest_one(scene: &Scene, rays: &Rays, lane: usize, (hits, areas): &mut To<'_>) {
+    let mut query = ray_hit(rays, lane);
+    // SAFETY: the scene is committed, the structure is Embree's own type, the ray passed the gate.
+    unsafe { sys::drt_rtc_intersect1(scene.handle(), false, &mut query) }
+    let hit = query.hit.geomID != MISS;
+    hits.t[lane] = if hit { query.ray.tfar } else { f32::INFINITY };
+    hits.u[lane] = query.hit.u;
+    hits.v[lane] = query.hit.v;
+    hits.mesh[lane] = query.hit.geomID;
+    hits.triangle[lane] = if hit { query.hit.primID } else { MISS };
+    let sys::RTCHit { Ng_x, Ng_y, Ng_z, .. } = query.hit;
+    areas[lane] = (rays.dx[lane] * Ng_x + rays.dy[lane] * Ng_y + rays.dz[lane] * Ng_z).abs();
 }
 
-/// As [`closest_singly`].
-fn occluded_singly(scene: &Scene, rays: &Rays, active: Mask) -> Mask {
-    let mut queries: [sys::RTCRay; LANES] = std::array::from_fn(|lane| ray(rays, lane));
-    for lane in lanes_of(active) {
-        // SAFETY: as in `closest_singly`.
-        unsafe { sys::drt_rtc_occluded1(scene.handle(), false, &mut queries[lane]) }
-    }
-    lanes_of(active).fold(0, |hit, lane| hit | Mask::from(queries[lane].tfar == f32::NEG_INFINITY) << lane)
+fn occluded_one(scene: &Scene, rays: &Rays, lane: usize) -> Mask {
+    let mut query = ray(rays, lane);
+    // SAFETY: as in `closest_one`.
+    unsafe { sys::drt_rtc_occluded1(scene.handle(), false, &mut query) }
+    Mask::from(query.tfar == f32::NEG_INFINITY) << lane
 }
 
 /// Writes the functions for packets of `$n`: Embree has a type and a function a width.
