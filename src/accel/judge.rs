@@ -7,8 +7,10 @@
 //! changes t·|d| by p/cos, cos the cosine between ray and normal; hence distances are compared as |Δt|·|d|·cos. (A
 //! bare relative tolerance on t would have to be 3.5·10⁻⁴ to admit grazing hits.)
 
+mod border;
 mod tally;
 
+use border::goes_on;
 pub use tally::{Disagreement, KEPT, Tally};
 
 use super::brute::{Brute, Measure, Ray64};
@@ -165,7 +167,7 @@ impl Judge {
         Judge { meshes: meshes.to_vec(), brute: None }
     }
 
-    /// A judge that tells a leak from a border, at the cost of eight rays against all triangles for every
+    /// A judge that tells a leak from a border, at the cost of some tens of looks at all triangles for every
     /// disagreement at an edge.
     pub fn thorough(meshes: &[Arc<Mesh>]) -> Judge {
         Judge { meshes: meshes.to_vec(), brute: Some(Brute::new(meshes)) }
@@ -208,11 +210,7 @@ impl Judge {
     /// that does not exist or is clearly missed, a point (u, v) that is not on the ray, a distance that is not
     /// the triangle's.
     pub(crate) fn claim(&self, ray: &Ray64, answer: Answer) -> Result<Claim, Verdict> {
-        let mesh = self.meshes.get(answer.mesh as usize).ok_or(Verdict::Real)?;
-        if answer.triangle as usize >= mesh.indices.len() {
-            return Err(Verdict::Real);
-        }
-        let corners = mesh.triangle(answer.triangle as usize).map(|p| p.as_dvec3());
+        let corners = self.corners(&answer).ok_or(Verdict::Real)?;
         let [a, b, c] = corners;
         let seen = Seen::of(ray, corners).ok_or(Verdict::Graze)?;
         if seen.grazes() {
@@ -245,8 +243,8 @@ impl Judge {
     }
 
     /// The hit that the other backend did not see, though nothing before `beyond` hid it. Legitimate only
-    /// where the surface has a border: if rays displaced to all sides meet a surface all the same, the other
-    /// ray slipped through a crack.
+    /// where the surface has a border: if it goes on beyond its edges there, and rays displaced to all sides meet
+    /// it, the other ray slipped through a crack.
     fn passed_by(&self, ray: &Ray64, hit: &Claim, beyond: f64) -> Verdict {
         if !hit.seen.at_border() {
             return Verdict::Real;
@@ -260,7 +258,15 @@ impl Judge {
             let o = ray.o + (side * cos + other * sin) * radius;
             brute.any(&Ray64 { o, tmax: ray.tmax.min(beyond), ..*ray })
         });
-        if surrounded { Verdict::Real } else { Verdict::Edge }
+        let is_leak = surrounded
+            && self.corners(&hit.answer).is_some_and(|c| goes_on(&self.meshes, ray, c, hit.seen.reach));
+        if is_leak { Verdict::Real } else { Verdict::Edge }
+    }
+
+    fn corners(&self, answer: &Answer) -> Option<[DVec3; 3]> {
+        let mesh = self.meshes.get(answer.mesh as usize)?;
+        let triangle = answer.triangle as usize;
+        (triangle < mesh.indices.len()).then(|| mesh.triangle(triangle).map(|p| p.as_dvec3()))
     }
 }
 

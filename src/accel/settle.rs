@@ -21,7 +21,7 @@ mod beside;
 mod candidates;
 
 use super::brute::Ray64;
-use super::{Hits, LANES, MISS, Mask, Rays};
+use super::{Hits, MISS, Mask, Rays, lanes_of};
 use crate::math::{DVec3, Vec3};
 use aim::aim_inside;
 use beside::look_beside;
@@ -51,31 +51,35 @@ pub(super) trait Triangles {
     }
 }
 
-/// Settles the hits of a chunk.
+/// Settles the hits of a chunk that are [`in_doubt`].
 #[inline(always)]
-pub(super) fn settle(triangles: &impl Triangles, rays: &Rays, active: Mask, hits: &mut Hits) {
-    for lane in 0..LANES {
-        if active >> lane & 1 == 1 && hits.mesh[lane] != MISS {
-            let corners = triangles.hit(hits, lane);
-            if is_in_doubt(rays, hits, lane, corners) {
-                settle_one(triangles, rays, lane, corners, hits);
-            }
-        }
+pub(super) fn settle(triangles: &impl Triangles, rays: &Rays, in_doubt: Mask, hits: &mut Hits) {
+    for lane in lanes_of(in_doubt) {
+        settle_one(triangles, rays, lane, hits);
     }
 }
 
-/// True when the hit lies within [`ROUNDINGS`] of an edge, seen along the ray. A parallelogram's area is edge times
-/// height, so the distance from an edge is the opposite corner's weight times the area over the edge; the
-/// longest edge errs on the side of doubt.
+/// The hits of the active lanes that are in doubt.
 #[inline(always)]
-pub(super) fn is_in_doubt(rays: &Rays, hits: &Hits, lane: usize, corners: [Vec3; 3]) -> bool {
-    let (o, d) = (rays.o(lane), rays.d(lane));
+pub(super) fn in_doubt(triangles: &impl Triangles, rays: &Rays, active: Mask, hits: &Hits) -> Mask {
+    let is = |lane: usize| {
+        let corners = triangles.hit(hits, lane);
+        is_in_doubt(rays.o(lane), rays.d(lane), [hits.u[lane], hits.v[lane]], corners)
+    };
+    let hit = lanes_of(active).filter(|&lane| hits.mesh[lane] != MISS);
+    hit.fold(0, |mask, lane| mask | (is(lane) as Mask) << lane)
+}
+
+/// True when a hit with the weights u, v lies within [`ROUNDINGS`] of an edge, seen along the ray. A parallelogram's area
+/// is edge times height, so the distance from an edge is the opposite corner's weight times the area over the edge; the
+/// longest edge errs on the side of doubt. The same bits wherever it is compiled: no operation is fused.
+#[inline(always)]
+pub(super) fn is_in_doubt(o: Vec3, d: Vec3, [u, v]: [f32; 2], corners: [Vec3; 3]) -> bool {
     let [a, b, c] = corners.map(|p| p - o);
     let (e, f) = (b - a, c - a);
     let area = d.dot(e.cross(f)).abs();
     let longest = e.length_squared().max(f.length_squared()).max((c - b).length_squared());
     let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
-    let (u, v) = (hits.u[lane], hits.v[lane]);
     let least = u.min(v).min(1.0 - u - v).max(0.0);
     // Not `<=` turned round: what overflows to NaN is in doubt.
     let clear =
@@ -84,10 +88,10 @@ pub(super) fn is_in_doubt(rays: &Rays, hits: &Hits, lane: usize, corners: [Vec3;
 }
 
 #[cold]
-fn settle_one(triangles: &impl Triangles, rays: &Rays, lane: usize, corners: [Vec3; 3], hits: &mut Hits) {
+fn settle_one(triangles: &impl Triangles, rays: &Rays, lane: usize, hits: &mut Hits) {
     let ray = Ray64::of(rays, lane);
     let ids = [hits.mesh[lane], hits.triangle[lane]];
-    let first = Candidate { ids, corners: corners.map(|p| p.as_dvec3()) };
+    let first = Candidate { ids, corners: triangles.hit(hits, lane).map(|p| p.as_dvec3()) };
     let mut of = first;
     // A front, a sliver or two at the silhouette, a back; more than three rounds have not been seen.
     for _ in 0..8 {

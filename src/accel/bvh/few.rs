@@ -7,7 +7,7 @@
 //! nearest candidate of all lanes at once, and the few others one by one where they may be as near. So the answers are
 //! bit for bit the tree's.
 
-use super::filter::{Filter, Scales, reach};
+use super::filter::{Filter, Passage, Plane, Scales, reach};
 use super::meeting::Meetings;
 use super::node::{enlarge, max, min};
 use super::ray::Prepared;
@@ -24,14 +24,16 @@ pub const FEW: usize = 64;
 /// The triangles of a small scene.
 pub struct Few {
     filters: Vec<Filter>,
-    /// The filters of a block adjoin.
+    /// The planes, each with its filters, which adjoin.
+    planes: Vec<(Plane, Range<usize>)>,
+    /// The planes of a block adjoin.
     groups: Vec<Group>,
     bounds: Aabb,
 }
 
-/// The filters of one block, and the box around its triangles.
+/// The planes of one block's triangles, and the box around these.
 struct Group {
-    filters: Range<usize>,
+    members: Range<usize>,
     /// Axis, then lower and upper plane, enlarged as a node's.
     planes: [[f32; 2]; 3],
 }
@@ -46,16 +48,25 @@ struct Nearest {
     second: [u32; LANES],
 }
 
+/// The lanes that certainly hit something, and those that may: 1, or 0.
+struct Blocked {
+    sure: [u32; LANES],
+    maybe: [u32; LANES],
+}
+
 impl Few {
     /// `None` when there are too many, or one so thin that f32 cannot hold its filter.
     pub fn new(blocks: &[Block]) -> Option<Few> {
-        let mut few = Few { filters: Vec::new(), groups: Vec::new(), bounds: Aabb::EMPTY };
+        let mut few =
+            Few { filters: Vec::new(), planes: Vec::new(), groups: Vec::new(), bounds: Aabb::EMPTY };
         if blocks.len() > FEW {
             return None;
         }
         let mut seen = Vec::new();
         for (index, block) in blocks.iter().enumerate() {
-            let (first, mut bounds) = (few.filters.len(), Aabb::EMPTY);
+            // The two halves of a rectangle have one plane.
+            let mut planes: Vec<(Plane, Vec<Filter>)> = Vec::new();
+            let mut bounds = Aabb::EMPTY;
             for lane in (0..block.mesh.len()).filter(|&lane| block.mesh[lane] != u32::MAX) {
                 // A triangle that was split in space is in several leaves.
                 if seen.contains(&block.ids(lane)) {
@@ -63,11 +74,15 @@ impl Few {
                 }
                 seen.push(block.ids(lane));
                 let corners = block.triangle_at(lane);
-                few.filters.push(Filter::new(corners, Place::new(index, lane))?);
+                let (plane, filter) = (Plane::of(corners)?, Filter::new(corners, Place::new(index, lane))?);
+                match planes.iter_mut().find(|(known, _)| known.holds(corners, &plane)) {
+                    Some((_, filters)) => filters.push(filter),
+                    None => planes.push((plane, vec![filter])),
+                }
                 bounds = corners.iter().fold(bounds, |b, p| b.grow(*p));
             }
             few.bounds = few.bounds.union(bounds);
-            few.groups.push(Group::new(first..few.filters.len(), &bounds));
+            few.add(planes, &bounds);
         }
         let reach = reach(&few.bounds);
         // Beyond the first, nearly everything would be in doubt; beyond the second, products may leave the range.
@@ -75,10 +90,21 @@ impl Few {
         (few.filters.len() <= FEW && sharp && reach < 1e12).then_some(few)
     }
 
+    fn add(&mut self, planes: Vec<(Plane, Vec<Filter>)>, bounds: &Aabb) {
+        let first = self.planes.len();
+        for (plane, filters) in planes {
+            let first = self.filters.len();
+            self.filters.extend(filters);
+            self.planes.push((plane, first..self.filters.len()));
+        }
+        self.groups.push(Group::new(first..self.planes.len(), bounds));
+    }
+
     /// The closest hits of the live rays, as [`Tree::closest`], and where the triangles at their places are met.
     #[inline(always)]
     pub fn closest<S: Set>(&self, tree: &Tree<'_>, source: &Rays, rays: &Prepared) -> (Found, Meetings) {
-        let nearest = self.nearest::<S>(source, rays);
+        let none = [u32::MAX; LANES];
+        let nearest = self.show::<S, _>(source, rays, Nearest { first: none, second: none });
         let place = |key: u32| match key {
             u32::MAX => Place::default(),
             key => self.filters[(key & NUMBER) as usize].place,
@@ -110,65 +136,71 @@ impl Few {
     /// The live rays that hit anything.
     #[inline(always)]
     pub fn occluded<S: Set>(&self, tree: &Tree<'_>, source: &Rays, rays: &Prepared) -> Mask {
-        let (sure, maybe) = self.any::<S>(source, rays);
-        let mut hit = sure & rays.live;
-        for i in lanes_of(maybe & !sure & rays.live) {
+        let none = [0; LANES];
+        let Blocked { sure, maybe } = self.show::<S, _>(source, rays, Blocked { sure: none, maybe: none });
+        let bits = |lanes: [u32; LANES]| (0..LANES).fold(0, |mask, i| mask | (lanes[i] as Mask) << i);
+        let mut hit = bits(sure) & rays.live;
+        for i in lanes_of(bits(maybe) & !hit & rays.live) {
             hit |= (tree.closest_of_all::<S>(rays, i).is_some() as Mask) << i
         }
         hit
     }
 
+    /// Shows `to` every triangle whose group's box a ray meets, with where the rays pass its plane.
     #[inline(always)]
-    fn nearest<S: Set>(&self, source: &Rays, rays: &Prepared) -> Nearest {
+    fn show<S: Set, T: Collect>(&self, source: &Rays, rays: &Prepared, mut to: T) -> T {
         let scales = Scales::of(&self.bounds, source, rays);
-        let mut first = [u32::MAX; LANES];
-        let mut second = [u32::MAX; LANES];
         for group in &self.groups {
             if !group.is_met::<S>(rays) {
                 continue;
             }
-            for number in group.filters.clone() {
-                let filter = &self.filters[number];
-                for i in 0..LANES {
-                    let m = filter.measure::<S>(source.o(i), rays, i, scales.at(i));
-                    // Not negative, so that its bits are in its order; the lowest give way to the triangle's number.
-                    let least = if m.least > 0.0 { m.least } else { 0.0 };
-                    let key = least.to_bits() & !NUMBER | number as u32;
-                    let key = if m.may_be { key } else { u32::MAX };
-                    second[i] = second[i].min(first[i].max(key));
-                    first[i] = first[i].min(key);
+            for (plane, filters) in &self.planes[group.members.clone()] {
+                let passage = plane.pass::<S>(source, rays, &scales);
+                for number in filters.clone() {
+                    to.collect::<S>(number, &self.filters[number], &passage);
                 }
             }
         }
-        Nearest { first, second }
+        to
     }
+}
 
-    /// The lanes that certainly hit something, and those that may.
+/// What is made of the triangles. (A closure could become a function of its own, without the instruction set.)
+trait Collect {
+    /// Of triangle `number`, whose plane the rays pass.
+    fn collect<S: Set>(&mut self, number: usize, filter: &Filter, passage: &Passage);
+}
+
+impl Collect for Nearest {
     #[inline(always)]
-    fn any<S: Set>(&self, source: &Rays, rays: &Prepared) -> (Mask, Mask) {
-        let scales = Scales::of(&self.bounds, source, rays);
-        let (mut sure, mut maybe) = ([0u32; LANES], [0u32; LANES]);
-        for group in &self.groups {
-            if !group.is_met::<S>(rays) {
-                continue;
-            }
-            for filter in &self.filters[group.filters.clone()] {
-                for i in 0..LANES {
-                    let m = filter.measure::<S>(source.o(i), rays, i, scales.at(i));
-                    sure[i] |= m.is as u32;
-                    maybe[i] |= m.may_be as u32;
-                }
-            }
+    fn collect<S: Set>(&mut self, number: usize, filter: &Filter, passage: &Passage) {
+        let Nearest { first, second } = self;
+        for i in 0..LANES {
+            // Not negative, so that its bits are in its order; the lowest give way to the triangle's number.
+            let least = if passage.least[i] > 0.0 { passage.least[i] } else { 0.0 };
+            let key = least.to_bits() & !NUMBER | number as u32;
+            let key = if filter.measure::<S>(passage, i).may_be != 0 { key } else { u32::MAX };
+            second[i] = second[i].min(first[i].max(key));
+            first[i] = first[i].min(key);
         }
-        let bits = |lanes: [u32; LANES]| (0..LANES).fold(0, |mask, i| mask | (lanes[i] as Mask) << i);
-        (bits(sure), bits(maybe))
+    }
+}
+
+impl Collect for Blocked {
+    #[inline(always)]
+    fn collect<S: Set>(&mut self, _: usize, filter: &Filter, passage: &Passage) {
+        for i in 0..LANES {
+            let m = filter.measure::<S>(passage, i);
+            self.sure[i] |= m.is;
+            self.maybe[i] |= m.may_be;
+        }
     }
 }
 
 impl Group {
-    fn new(filters: Range<usize>, bounds: &Aabb) -> Group {
+    fn new(members: Range<usize>, bounds: &Aabb) -> Group {
         let (lo, hi) = enlarge(bounds.min.to_array(), bounds.max.to_array());
-        Group { filters, planes: [0, 1, 2].map(|k| [lo[k], hi[k]]) }
+        Group { members, planes: [0, 1, 2].map(|k| [lo[k], hi[k]]) }
     }
 
     /// Whether any of the rays meets the box.

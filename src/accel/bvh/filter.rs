@@ -20,12 +20,18 @@ const U: f32 = f32::EPSILON / 2.0;
 /// Below this |n·d|, nothing is said about t.
 const GRAZING: f32 = 256.0 * U;
 
-/// What the filter knows of a triangle.
+/// The plane of a triangle, or of several with the same one.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane {
+    /// Its normal, |n|₁ = 1, the first component that is not 0 positive.
+    n: Vec3,
+    /// A corner of all of its triangles.
+    a: Vec3,
+}
+
+/// What the filter knows of a triangle in its plane.
 #[derive(Clone, Copy, Debug)]
 pub struct Filter {
-    /// Normal of the plane, |n|₁ = 1, and a corner.
-    n: Vec3,
-    a: Vec3,
     /// u = m·p + k, and v.
     u: (Vec3, f32),
     v: (Vec3, f32),
@@ -41,13 +47,6 @@ pub struct Scales {
     far: [f32; LANES],
     /// 32u·(|o| + |p|).
     near: [f32; LANES],
-}
-
-/// Those of one ray.
-#[derive(Clone, Copy)]
-pub struct Scale {
-    far: f32,
-    near: f32,
 }
 
 impl Scales {
@@ -68,22 +67,79 @@ impl Scales {
         }
         scales
     }
+}
 
-    /// Those of lane `i`.
-    #[inline(always)]
-    pub fn at(&self, i: usize) -> Scale {
-        Scale { far: self.far[i], near: self.near[i] }
-    }
+/// Where the rays of a chunk pass a plane; conditions are 0 or 1.
+pub struct Passage {
+    point: [[f32; LANES]; 3],
+    /// What the weights are off by, over the slope.
+    off: [f32; LANES],
+    /// The least distance that it may have; 0 where nothing is said about it.
+    pub least: [f32; LANES],
+    /// It may lie between the ray's ends; it does.
+    between: [u32; LANES],
+    surely_between: [u32; LANES],
+    /// Nothing is said.
+    grazing: [u32; LANES],
 }
 
 /// What is known about a ray and a triangle.
 pub struct Measured {
     /// It may be hit.
-    pub may_be: bool,
+    pub may_be: u32,
     /// It is hit.
-    pub is: bool,
-    /// The least distance that it may have.
-    pub least: f32,
+    pub is: u32,
+}
+
+impl Plane {
+    /// Of the triangle with those corners; `None` for one so thin that f32 cannot hold it.
+    pub fn of([a, b, c]: [Vec3; 3]) -> Option<Plane> {
+        let [e, f] = [b, c].map(|p| p.as_dvec3() - a.as_dvec3());
+        let n = e.cross(f);
+        let n = n / one_norm(n);
+        let first = n.to_array().into_iter().find(|x| *x != 0.0)?;
+        n.is_finite().then(|| Plane { n: (n * first.signum()).as_vec3(), a })
+    }
+
+    /// Whether the triangle with those corners and its plane `other` is in this plane, as far as f32 can tell either's
+    /// error from the other's.
+    pub fn holds(&self, corners: [Vec3; 3], other: &Plane) -> bool {
+        self.n == other.n && corners.contains(&self.a)
+    }
+
+    /// Where the rays, which start where `source` says, pass it.
+    #[inline(always)]
+    pub fn pass<S: Set>(&self, source: &Rays, rays: &Prepared, scales: &Scales) -> Passage {
+        let (zeros, none) = ([0.0; LANES], [0; LANES]);
+        let mut passage = Passage {
+            point: [zeros; 3],
+            off: zeros,
+            least: zeros,
+            between: none,
+            surely_between: none,
+            grazing: none,
+        };
+        for i in 0..LANES {
+            let o = source.o(i);
+            let d = Vec3::new(rays.direction[0][i], rays.direction[1][i], rays.direction[2][i]);
+            let along = dot::<S>(self.n, d, 0.0);
+            let inverse = 1.0 / along;
+            let from = Vec3::new(self.a.x - o.x, self.a.y - o.y, self.a.z - o.z);
+            let t = dot::<S>(self.n, from, 0.0) * inverse;
+            passage.point[0][i] = fused::<S>(d.x, t, o.x);
+            passage.point[1][i] = fused::<S>(d.y, t, o.y);
+            passage.point[2][i] = fused::<S>(d.z, t, o.z);
+            let off = fused::<S>(t.abs(), 16.0 * U, scales.far[i]) * inverse.abs();
+            passage.off[i] = fused::<S>(2.0, off, fused::<S>(t.abs(), 64.0 * U, scales.near[i]));
+            let clear = along.abs() > GRAZING;
+            let (least, most) = (t - off, t + off);
+            passage.least[i] = if clear { least } else { 0.0 };
+            passage.between[i] = ((most >= rays.tmin[i]) & (least <= rays.tmax[i])) as u32;
+            passage.surely_between[i] = ((least >= rays.tmin[i]) & (most <= rays.tmax[i]) & clear) as u32;
+            passage.grazing[i] = !clear as u32;
+        }
+        passage
+    }
 }
 
 impl Filter {
@@ -95,12 +151,8 @@ impl Filter {
         // u = (p − a)·(f × n)/(e·(f × n)) and so on: the dual basis of e and f in the plane.
         let (mu, mv) = (f.cross(n), n.cross(e));
         let (mu, mv) = (mu / e.dot(mu), mv / f.dot(mv));
-        let n = n / one_norm(n);
         let slope = one_norm(mu).max(one_norm(mv)).max(one_norm(mu + mv));
-        let sound = n.is_finite() && slope < 1e12;
-        sound.then(|| Filter {
-            n: n.as_vec3(),
-            a: a.as_vec3(),
+        (slope < 1e12).then(|| Filter {
             u: (mu.as_vec3(), -mu.dot(a) as f32),
             v: (mv.as_vec3(), -mv.dot(a) as f32),
             slope: slope as f32,
@@ -108,27 +160,19 @@ impl Filter {
         })
     }
 
-    /// The ray of lane `i`, which starts at `o`.
+    /// The ray of lane `i`, which passes the plane of the triangle there.
     #[inline(always)]
-    pub fn measure<S: Set>(&self, o: Vec3, rays: &Prepared, i: usize, scale: Scale) -> Measured {
-        let d = Vec3::new(rays.direction[0][i], rays.direction[1][i], rays.direction[2][i]);
-        let along = dot::<S>(self.n, d, 0.0);
-        let inverse = 1.0 / along;
-        let from = Vec3::new(self.a.x - o.x, self.a.y - o.y, self.a.z - o.z);
-        let t = dot::<S>(self.n, from, 0.0) * inverse;
-        let p = Vec3::new(fused::<S>(d.x, t, o.x), fused::<S>(d.y, t, o.y), fused::<S>(d.z, t, o.z));
-        let off = fused::<S>(t.abs(), 16.0 * U, scale.far) * inverse.abs();
+    pub fn measure<S: Set>(&self, passage: &Passage, i: usize) -> Measured {
+        let p = Vec3::new(passage.point[0][i], passage.point[1][i], passage.point[2][i]);
         let (u, v) = (dot::<S>(self.u.0, p, self.u.1), dot::<S>(self.v.0, p, self.v.1));
         let uv = 1.0 - u - v;
         let inside = if u < v { u } else { v };
         let inside = if inside < uv { inside } else { uv };
-        let w = fused::<S>(t.abs(), 64.0 * U, scale.near);
-        let doubt = fused::<S>(self.slope, fused::<S>(2.0, off, w), 16.0 * U);
-        let clear = along.abs() > GRAZING;
-        let (least, most) = (t - off, t + off);
-        let on = (inside >= -doubt) & (most >= rays.tmin[i]) & (least <= rays.tmax[i]);
-        let within = (inside >= doubt) & (least >= rays.tmin[i]) & (most <= rays.tmax[i]);
-        Measured { may_be: on | !clear, is: within & clear, least: if clear { least } else { 0.0 } }
+        let doubt = fused::<S>(self.slope, passage.off[i], 16.0 * U);
+        Measured {
+            may_be: (inside >= -doubt) as u32 & passage.between[i] | passage.grazing[i],
+            is: (inside >= doubt) as u32 & passage.surely_between[i],
+        }
     }
 }
 

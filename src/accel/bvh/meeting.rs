@@ -3,7 +3,9 @@
 use super::node::{enlarge, max, min};
 use super::ray::{Prepared, pick};
 use super::tree::{Place, Tree};
-use crate::accel::LANES;
+use crate::accel::settle::is_in_doubt;
+use crate::accel::{LANES, Mask, Rays};
+use crate::math::Vec3;
 use crate::math::isa::{Set, fused};
 
 /// Where a ray meets a triangle, exactly.
@@ -97,11 +99,31 @@ pub struct Meetings {
     pub u: [f32; LANES],
     /// As [`Meeting::v`].
     pub v: [f32; LANES],
+    /// The corners, by axis.
+    corners: [[[f32; LANES]; 3]; 3],
 }
 
 impl Meetings {
     /// No ray meets anything.
-    pub const NONE: Meetings = Meetings { is: [0; LANES], t: [0.0; LANES], u: [0.0; LANES], v: [0.0; LANES] };
+    pub const NONE: Meetings = Meetings {
+        is: [0; LANES],
+        t: [0.0; LANES],
+        u: [0.0; LANES],
+        v: [0.0; LANES],
+        corners: [[[0.0; LANES]; 3]; 3],
+    };
+
+    /// Which of those in `hit` are to be settled (`accel/settle.rs`).
+    #[inline(always)]
+    pub fn in_doubt(&self, source: &Rays, hit: Mask) -> Mask {
+        let [a, b, c] = &self.corners;
+        let mut in_doubt = [0u32; LANES];
+        for i in 0..LANES {
+            let corners = [at(a, i), at(b, i), at(c, i)].map(Vec3::from_array);
+            in_doubt[i] = is_in_doubt(source.o(i), source.d(i), [self.u[i], self.v[i]], corners) as u32;
+        }
+        (0..LANES).fold(0, |mask, i| mask | (in_doubt[i] as Mask) << i) & hit
+    }
 
     /// The ray of each lane and the triangle at its place.
     #[inline(always)]
@@ -118,7 +140,6 @@ impl Meetings {
                 }
             }
         }
-        let mut all = Meetings { is: [0; LANES], t: zero, u: zero, v: zero };
         let mut framed = [[zero; 3]; 3];
         let (mut near, mut far) = (zero, zero);
         let [a, b, c] = &corners;
@@ -133,6 +154,7 @@ impl Meetings {
             }
         }
         let [a, b, c] = &framed;
+        let mut all = Meetings { is: [0; LANES], t: zero, u: zero, v: zero, corners };
         for i in 0..LANES {
             let m = cross(at(a, i), at(b, i), at(c, i), rays.inverse_z[i]);
             let m = m.clamped(near[i], far[i], rays.tmin[i]);

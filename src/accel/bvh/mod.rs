@@ -100,8 +100,8 @@ impl Bvh {
 impl Intersector for Bvh {
     fn closest(&self, rays: Checked<'_>, _: Coherence, hits: &mut Hits) {
         let tree = self.tree();
-        let found = isa::run(self.isa, Closest { tree, few: self.few.as_ref(), rays, hits });
-        settle(&Placed { tree, places: found }, rays.rays(), rays.active(), hits);
+        let (places, in_doubt) = isa::run(self.isa, Closest { tree, few: self.few.as_ref(), rays, hits });
+        settle(&Placed { tree, places }, rays.rays(), in_doubt, hits);
     }
 
     fn occluded(&self, rays: Checked<'_>, _: Coherence) -> Mask {
@@ -137,11 +137,11 @@ struct Closest<'a> {
 }
 
 impl Kernel for Closest<'_> {
-    type Output = [Place; LANES];
+    type Output = ([Place; LANES], Mask);
 
-    /// Where the triangles are that were hit.
+    /// Where the triangles are that were hit, and which hits are in doubt.
     #[inline(always)]
-    fn run<S: Set>(self) -> [Place; LANES] {
+    fn run<S: Set>(self) -> ([Place; LANES], Mask) {
         let Closest { tree, few, rays, hits } = self;
         let prepared = Prepared::new(rays.rays(), if tree.blocks.is_empty() { 0 } else { rays.active() });
         let (found, meetings) = match few {
@@ -168,7 +168,9 @@ impl Kernel for Closest<'_> {
                 hits.triangle[i] = triangle;
             }
         }
-        found.place
+        let in_doubt =
+            if found.hit == 0 { 0 } else { meetings.in_doubt(rays.rays(), found.hit & rays.active()) };
+        (found.place, in_doubt)
     }
 }
 

@@ -33,7 +33,7 @@ mod guard;
 #[cfg(test)]
 mod tests;
 
-use super::settle::{Triangles, settle};
+use super::settle::{Triangles, in_doubt, settle};
 use super::{BuildOptions, Checked, Coherence, Hits, Intersector, Mask, Quality, Rays, cancelled};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
@@ -161,7 +161,7 @@ impl Intersector for Embree {
         let doubtful = doubt::doubtful(rays, active, hits, &areas, &self.longest);
         if doubtful != 0 {
             weights::weigh(|hits, lane| self.hit(hits, lane), rays, doubtful, hits);
-            settle(self, rays, doubtful, hits);
+            settle(self, rays, in_doubt(self, rays, doubtful, hits), hits);
         }
     }
 
