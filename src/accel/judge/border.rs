@@ -42,7 +42,8 @@ pub(super) fn goes_on(meshes: &[Arc<Mesh>], ray: &Ray64, first: [DVec3; 3], reac
             pending.extend(more);
         } else if far >= -reach {
             // Seen edge-on: out by its other edges, the same way.
-            pending.extend([[p, r], [q, r]].map(|ends| Way { ends, ..way }));
+            let near = [[p, r], [q, r]].into_iter().filter(|[p, q]| distance(ray, *p, *q) <= reach);
+            pending.extend(near.map(|ends| Way { ends, ..way }));
         } else {
             return false;
         }
