@@ -118,9 +118,9 @@ impl Meetings {
     pub fn in_doubt(&self, source: &Rays, hit: Mask) -> Mask {
         let [a, b, c] = &self.corners;
         let mut in_doubt = [0u32; LANES];
-        for i in 0..LANES {
+        for (i, in_doubt) in in_doubt.iter_mut().enumerate() {
             let corners = [at(a, i), at(b, i), at(c, i)].map(Vec3::from_array);
-            in_doubt[i] = is_in_doubt(source.o(i), source.d(i), [self.u[i], self.v[i]], corners) as u32;
+            *in_doubt = is_in_doubt(source.o(i), source.d(i), [self.u[i], self.v[i]], corners) as u32;
         }
         (0..LANES).fold(0, |mask, i| mask | (in_doubt[i] as Mask) << i) & hit
     }

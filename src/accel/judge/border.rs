@@ -8,11 +8,13 @@ use crate::math::DVec3;
 use crate::shape::Mesh;
 use std::sync::Arc;
 
-/// An edge that the ray passes within rounding, and the way out of the triangle there: across the edge and the ray.
+/// An edge that the ray passes within rounding, the way out of the triangle there (across the edge and the ray), and the
+/// triangle's third corner.
 #[derive(Clone, Copy)]
 struct Way {
     ends: [DVec3; 2],
     out: DVec3,
+    third: DVec3,
 }
 
 /// True when the surface of `first` goes on around the ray: beyond every edge that is passed within `reach`, of this
@@ -29,7 +31,7 @@ pub(super) fn goes_on(meshes: &[Arc<Mesh>], ray: &Ray64, first: [DVec3; 3], reac
         // How far out the third corners of the triangles at this edge are.
         let third = |corners: [DVec3; 3]| {
             let is_there = corners.contains(&p) && corners.contains(&q);
-            corners.into_iter().find(|c| is_there && *c != p && *c != q)
+            corners.into_iter().find(|c| is_there && ![p, q, way.third].contains(c))
         };
         let corners = meshes.iter().flat_map(|mesh| (0..mesh.indices.len()).map(|i| mesh.triangle(i)));
         let thirds = corners.filter_map(|corners| third(corners.map(|p| p.as_dvec3())));
@@ -42,8 +44,11 @@ pub(super) fn goes_on(meshes: &[Arc<Mesh>], ray: &Ray64, first: [DVec3; 3], reac
             pending.extend(more);
         } else if far >= -reach {
             // Seen edge-on: out by its other edges, the same way.
-            let near = [[p, r], [q, r]].into_iter().filter(|[p, q]| distance(ray, *p, *q) <= reach);
-            pending.extend(near.map(|ends| Way { ends, ..way }));
+            for (corner, third) in [(p, q), (q, p)] {
+                if distance(ray, corner, r) <= reach {
+                    pending.push(Way { ends: [corner, r], third, ..way });
+                }
+            }
         } else {
             return false;
         }
@@ -58,7 +63,7 @@ fn ways(ray: &Ray64, [a, b, c]: [DVec3; 3], reach: f64) -> Option<Vec<Way>> {
         if distance(ray, p, q) <= reach {
             let out = (q - p).cross(ray.d).try_normalize()?;
             let out = if (r - p).dot(out) > 0.0 { -out } else { out };
-            ways.push(Way { ends: [p, q], out });
+            ways.push(Way { ends: [p, q], out, third: r });
         }
     }
     Some(ways)
@@ -88,7 +93,7 @@ mod tests {
         let first = mesh.triangle(0).map(|p| p.as_dvec3());
         [2.0, 0.0].map(|x| {
             let ray = Ray64 { o: DVec3::new(x, 5.0, 0.0), d: DVec3::NEG_Y, tmin: 0.0, tmax: f64::INFINITY };
-            goes_on(&[mesh.clone()], &ray, first, 1e-6)
+            goes_on(std::slice::from_ref(&mesh), &ray, first, 1e-6)
         })
     }
 
@@ -120,7 +125,7 @@ mod tests {
         // A step: down along the ray, and on from there.
         let (o, a) = ([0.0, -1.0, 0.0], [4.0, -1.0, 0.0]);
         let step = [[0, 1, 2], [1, 0, 3], [1, 3, 4], [4, 3, 5]];
-        assert_eq!(answers(&[O, A, LEFT, o, a, RIGHT], &step)[0], true);
-        assert_eq!(answers(&[O, A, LEFT, o, a, RIGHT], &step[..3])[0], false);
+        assert!(answers(&[O, A, LEFT, o, a, RIGHT], &step)[0]);
+        assert!(!answers(&[O, A, LEFT, o, a, RIGHT], &step[..3])[0]);
     }
 }
