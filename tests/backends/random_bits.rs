@@ -152,3 +152,24 @@ fn meshes_and_rays_of_random_bits_are_safe_everywhere() {
     // Not a test of empty space.
     assert!(found * 100 > asked, "only {found} of {asked} rays hit anything");
 }
+
+/// What reaches from one end of f32 to the other has a finite middle and no finite size.
+#[test]
+fn triangles_as_large_as_f32_are_left_out() {
+    let (far, near) = (f32::MAX, 1.0);
+    let mut positions = vec![[0.0; 3], [near, 0.0, 0.0], [0.0, near, 0.0]];
+    positions.extend((0..15).map(|i| [far, -far, near].map(|x| if i % 2 == 0 { x } else { -x })));
+    positions.iter_mut().skip(3).enumerate().for_each(|(i, p)| p[i % 3] *= 0.5);
+    let indices = (0..16).map(|i| [i, i + 1, i + 2]).collect();
+    let meshes = [Arc::new(Mesh::new(positions, indices))];
+    for backend in Backend::ALL {
+        for quality in [Quality::Low, Quality::Medium, Quality::High] {
+            let built = backend.build(&meshes, &BuildOptions { quality, ..BuildOptions::default() });
+            let mut rays = Rays::default();
+            rays.set(0, [0.25, 0.25, -1.0].into(), [0.0, 0.0, 1.0].into(), 0.0, f32::INFINITY);
+            let mut hits = Hits::default();
+            built.expect("builds").closest(rays.check(1), Coherence::Incoherent, &mut hits);
+            assert_eq!((hits.triangle[0], hits.t[0]), (0, 1.0), "{} {quality:?}", backend.name());
+        }
+    }
+}

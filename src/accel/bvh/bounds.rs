@@ -67,6 +67,11 @@ impl Bounds {
         self
     }
 
+    /// Whether it and the extent of any box around such boxes are finite.
+    pub fn is_in_range(&self) -> bool {
+        self.lo().iter().chain(&self.hi()).all(|x| x.abs() <= f32::MAX / 4.0)
+    }
+
     /// Lower plus upper corner: twice the middle (halving would change nothing but cost).
     #[inline(always)]
     pub fn middle2(&self) -> [f32; 4] {

@@ -118,8 +118,9 @@ fn references(meshes: &[Arc<Mesh>], total: usize, extra: usize) -> Result<Vec<Bo
             if crate::accel::brute::has_area(corners) { bounds } else { Bounds([f32::NAN; 8]) }
         }));
     }
-    // Also drops what is not finite, which the mesh rules out but a mistake elsewhere might bring.
-    refs.retain(|r| r.middle2().iter().all(|x| x.is_finite()));
+    // Also drops what is not finite, and what is too far out for sizes that are; the readers let neither through, but a caller
+    // of the library may.
+    refs.retain(Bounds::is_in_range);
     Ok(refs)
 }
 

@@ -51,8 +51,7 @@ impl Numbered<'_> {
         let (mesh, triangle) = self.ids(number);
         let corners = self.meshes[mesh as usize].triangle(triangle as usize);
         let bounds = Bounds::of_triangle(corners.map(|p| p.to_array()), 0, 0);
-        let finite = bounds.middle2().iter().all(|x| x.is_finite());
-        (finite && has_area(corners)).then_some(bounds)
+        (bounds.is_in_range() && has_area(corners)).then_some(bounds)
     }
 
     /// Doubled middle.

@@ -196,16 +196,21 @@ impl Triangles for Embree {
         self.meshes[hits.mesh[lane] as usize].triangle(hits.triangle[lane] as usize)
     }
 
+    // First all names, then all corners, then what is done with them: the corners are mostly in no cache, and are so
+    // waited for together instead of one after the other.
     fn around(&self, point: Vec3, radius: f32, each: &mut dyn FnMut([u32; 2], [Vec3; 3])) {
+        let mut ids = Vec::with_capacity(64);
         near::around(&self.scene, point, radius, &mut |geometry, triangle| {
-            let [mesh, triangle] = match &self.geometry {
+            ids.push(match &self.geometry {
                 Geometry::Shared(_) => [geometry, triangle],
                 Geometry::Merged(merged) => merged.name(triangle),
-            };
-            if let Some(m) = self.meshes.get(mesh as usize) {
-                each([mesh, triangle], m.triangle(triangle as usize));
-            }
+            });
         });
+        let corners = |&[mesh, triangle]: &[u32; 2]| self.meshes[mesh as usize].triangle(triangle as usize);
+        let corners: Vec<[Vec3; 3]> = ids.iter().map(corners).collect();
+        for (ids, corners) in ids.into_iter().zip(corners) {
+            each(ids, corners);
+        }
     }
 
     fn ask(&self, rays: &Rays, active: Mask) -> Option<Hits> {

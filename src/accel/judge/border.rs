@@ -81,6 +81,9 @@ fn distance(ray: &Ray64, p: DVec3, q: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::Rays;
+    use crate::accel::judge::{Answer, Judge, Verdict};
+    use crate::math::Vec3;
 
     const O: [f32; 3] = [0.0, 0.0, 0.0];
     const A: [f32; 3] = [4.0, 0.0, 0.0];
@@ -127,5 +130,21 @@ mod tests {
         let step = [[0, 1, 2], [1, 0, 3], [1, 3, 4], [4, 3, 5]];
         assert!(answers(&[O, A, LEFT, o, a, RIGHT], &step)[0]);
         assert!(!answers(&[O, A, LEFT, o, a, RIGHT], &step[..3])[0]);
+    }
+
+    /// A hit of the edge from `O` to `A`, which another does not see: wrong where the surface goes on.
+    #[test]
+    fn a_miss_where_the_surface_goes_on_is_wrong() {
+        let mut rays = Rays::default();
+        rays.set(0, Vec3::new(2.0, 5.0, 0.0), Vec3::NEG_Y, 0.0, f32::INFINITY);
+        let hit = Answer { t: 5.0, u: 0.5, v: 0.0, mesh: 0, triangle: 0 };
+        let (below, farther) = ([0.0, -1.0, 0.0], [4.0, -1.0, 0.0]);
+        let verdict = |indices: &[[u32; 3]]| {
+            let mesh = Mesh::new(vec![O, A, LEFT, RIGHT, below, farther], indices.to_vec());
+            Judge::thorough(&[Arc::new(mesh)]).verdict(&rays, 0, Some(hit), None)
+        };
+        assert_eq!(verdict(&[[0, 1, 2], [1, 0, 3]]), Verdict::Real);
+        assert_eq!(verdict(&[[0, 1, 2]]), Verdict::Edge);
+        assert_eq!(verdict(&[[0, 1, 2], [5, 4, 3]]), Verdict::Edge);
     }
 }
