@@ -20,8 +20,10 @@ mod aim;
 mod beside;
 mod candidates;
 
+#[cfg(feature = "embree")]
+use super::MISS;
 use super::brute::Ray64;
-use super::{Hits, MISS, Mask, Rays, lanes_of};
+use super::{Hits, Mask, Rays, lanes_of};
 use crate::math::{DVec3, Vec3};
 use aim::aim_inside;
 use beside::look_beside;
@@ -59,7 +61,8 @@ pub(super) fn settle(triangles: &impl Triangles, rays: &Rays, in_doubt: Mask, hi
     }
 }
 
-/// The hits of the active lanes that are in doubt.
+/// The hits of the active lanes that are in doubt. (Our own BVH asks where it has the corners.)
+#[cfg(feature = "embree")]
 #[inline(always)]
 pub(super) fn in_doubt(triangles: &impl Triangles, rays: &Rays, active: Mask, hits: &Hits) -> Mask {
     let is = |lane: usize| {
