@@ -5,8 +5,8 @@ use drt::memory::{Left, Limit};
 
 /// The bytes are the file.
 pub fn run(bytes: &[u8]) {
-    // Room for some nine million pixels, so that no execution takes seconds.
-    let memory = || Some(Left { bytes: 1 << 28, limit: Limit::Machine });
+    // Room for some hundred thousand pixels, so that executions take milliseconds at most.
+    let memory = || Some(Left { bytes: 1 << 22, limit: Limit::Machine });
     let Ok(picture) = decode_in(memory, bytes) else { return };
     let image = picture.image;
     let pixels = u64::from(image.width) * u64::from(image.height);

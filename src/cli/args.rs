@@ -129,7 +129,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", help_heading = "Picture", allow_negative_numbers = true)]
     pub max_depth: Option<String>,
 
-    /// Paths into which a sample splits at its first hit, 1 to 64 (by default 4 below a sky or by one square lamp, but 1 up
+    /// Paths into which a sample splits at its first hit, 1 to 64 (by default 8 below a sky or by one square lamp, but 1 up
     /// to 16 samples; else 2; 1 with a lens or motion)
     #[arg(long, value_name = "N", help_heading = "Picture", allow_negative_numbers = true)]
     pub split: Option<String>,

@@ -106,7 +106,7 @@ fn a_sample_that_splits_in_four_is_worth_four() {
     });
 }
 
-/// Below a sky a preview takes one path a sample. More samples give those the paths that they lack: in the end each has four,
+/// Below a sky a preview takes one path a sample. More samples give those the paths that they lack: in the end each has eight,
 /// all weigh alike, what is seen directly stays exact, and the mean is that of whole samples.
 #[test]
 fn samples_of_a_preview_get_their_paths_later() {
@@ -124,9 +124,9 @@ fn samples_of_a_preview_get_their_paths_later() {
             (f64::from(image.f32_channel("G").unwrap()[0]), rays)
         };
         assert_eq!(render(7, 16, None), render(7, 16, Some(1)), "a preview is whole samples");
-        // Sixteen camera rays are traced once more; every sample that meets the floor sends four rays on.
+        // Sixteen camera rays are traced once more; every sample that meets the floor sends eight rays on.
         let ([camera, bounce], [_, whole]) = (render(7, 64, None).1, render(7, 64, Some(1)).1);
-        assert_eq!((camera, bounce), (64 + 16, 4 * whole));
+        assert_eq!((camera, bounce), (64 + 16, 8 * whole));
         for spp in [16, 17, 64] {
             let all_sky = stage.render(|s| (s.spp, s.crop, s.size) = (spp, Some([60, 0, 1, 1]), [64, 1])).0;
             assert_eq!(all_sky.f32_channel("G").unwrap()[0], 2.0, "{spp} samples");
@@ -140,8 +140,11 @@ fn samples_of_a_preview_get_their_paths_later() {
             let ((one, spread), (all, narrow)) = (moments(spp, Some(1)), moments(spp, None));
             assert!((one - all).abs() < 5.0 * spread / 200f64.sqrt(), "{spp} samples: {one} {all}");
             // As many paths for every sample, so as good as when all of them split at once.
-            let four = moments(spp, Some(4)).1;
-            assert!(narrow < spread && (narrow / four - 1.0).abs() < 0.15, "{spp}: {spread} {narrow} {four}");
+            let eight = moments(spp, Some(8)).1;
+            assert!(
+                narrow < spread && (narrow / eight - 1.0).abs() < 0.15,
+                "{spp}: {spread} {narrow} {eight}"
+            );
         }
     });
 }

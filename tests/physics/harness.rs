@@ -5,6 +5,7 @@ use drt::film::Image;
 use drt::load::{self, Override};
 use drt::math::DVec3;
 use drt::render::{Hooks, RenderStats, build, render};
+use drt::sampler::{PREVIEW, Splits};
 use drt::scene::{Scene, Settings};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -98,11 +99,16 @@ impl Stage {
         (r.image, r.stats)
     }
 
-    /// The mean of 64 seeds' image means, with its standard error, in the green channel.
+    /// The mean of 64 seeds' image means, with its standard error, in the green channel. Half of the paths that a sample
+    /// gets below a sky are enough for that.
     pub fn statistics(&self) -> Statistics {
+        let split = match self.settings.splits(&self.scene) {
+            Splits::Later(n) if self.settings.spp > PREVIEW => Some(n / 2),
+            _ => self.settings.split,
+        };
         let means: Vec<f64> = (0..64)
             .map(|seed| {
-                let (image, _) = self.render(|s| s.seed = seed);
+                let (image, _) = self.render(|s| (s.seed, s.split) = (seed, split));
                 let green = image.f32_channel("G").unwrap();
                 green.iter().map(|v| f64::from(*v)).sum::<f64>() / green.len() as f64
             })
