@@ -139,6 +139,14 @@ impl<'a> Checked<'a> {
         self.active
     }
 
+    /// The same rays, of which only those in `lanes` are traced.
+    #[cfg(feature = "embree")]
+    #[inline]
+    #[must_use]
+    pub(crate) fn only(self, lanes: Mask) -> Checked<'a> {
+        Checked { active: self.active & lanes, ..self }
+    }
+
     /// The same rays, each at a time: 0 when the shutter opens, 1 when it closes. Matters where things move alone.
     #[inline]
     #[must_use]

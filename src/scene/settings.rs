@@ -156,14 +156,15 @@ impl BuildQuality {
     /// The quality for a picture of `size` with `spp` samples a pixel over `triangles`.
     ///
     /// A low-quality structure is built faster and traced a quarter slower, so it wins for previews of many triangles: up
-    /// to 16 samples a pixel and fewer than three for four triangles. At five million triangles Embree's is ahead by 0.9 s of
-    /// 4.4 s with 0.2 samples a triangle, and at 0.8 behind by 0.5 s of 6 s, in 730 MB instead of 630.
+    /// to 16 samples a pixel and fewer than three for two triangles. At five million triangles and 0.8 samples a triangle
+    /// Embree's is ahead by 1.4 s of 7 s, in 640 MB instead of 620; at two samples a triangle they would be even, our BVH's
+    /// at one and a half.
     pub fn resolve(self, triangles: u64, size: [u32; 2], spp: u32) -> Quality {
         let samples = u64::from(size[0]) * u64::from(size[1]) * u64::from(spp);
         match self {
             BuildQuality::Fixed(quality) => quality,
             BuildQuality::Auto
-                if spp <= PREVIEW_SPP && triangles > 100_000 && samples < triangles / 4 * 3 =>
+                if spp <= PREVIEW_SPP && triangles > 100_000 && samples < triangles / 2 * 3 =>
             {
                 Quality::Low
             }
@@ -297,10 +298,10 @@ mod tests {
     #[test]
     fn automatic_builds_are_low_for_previews_of_large_meshes_only() {
         let auto = |triangles, size, spp| BuildQuality::Auto.resolve(triangles, size, spp);
-        assert_eq!(auto(871_264, [640, 480], 2), Quality::Low);
-        assert_eq!(auto(871_264, [640, 480], 3), Quality::Medium);
-        assert_eq!(auto(5_000_000, [512, 512], 14), Quality::Low);
-        assert_eq!(auto(5_000_000, [512, 512], 15), Quality::Medium);
+        assert_eq!(auto(871_264, [640, 480], 4), Quality::Low);
+        assert_eq!(auto(871_264, [640, 480], 5), Quality::Medium);
+        assert_eq!(auto(5_000_000, [700, 700], 15), Quality::Low);
+        assert_eq!(auto(5_000_000, [700, 700], 16), Quality::Medium);
         assert_eq!(auto(50_000_000, [512, 512], 16), Quality::Low);
         assert_eq!(auto(50_000_000, [512, 512], 17), Quality::Medium);
         // A small mesh is built in no time at all; nothing overflows.

@@ -34,9 +34,12 @@ pub struct Few {
 /// The planes of one block's triangles, and the box around these.
 struct Group {
     members: Range<usize>,
-    /// Axis, then lower and upper plane, enlarged as a node's.
-    planes: [[f32; 2]; 3],
+    slabs: Slabs,
 }
+
+/// A box: axis, then lower and upper plane, enlarged as a node's.
+#[derive(Clone, Copy, Debug)]
+pub struct Slabs([[f32; 2]; 3]);
 
 /// In the key of a candidate: the bits of its number.
 const NUMBER: u32 = FEW as u32 - 1;
@@ -105,6 +108,9 @@ impl Few {
     pub fn closest<S: Set>(&self, tree: &Tree<'_>, source: &Rays, rays: &Prepared) -> (Found, Meetings) {
         let none = [u32::MAX; LANES];
         let nearest = self.show::<S, _>(source, rays, Nearest { first: none, second: none });
+        if nearest.first == none {
+            return (Found { hit: 0, place: [Place::default(); LANES] }, Meetings::NONE);
+        }
         let place = |key: u32| match key {
             u32::MAX => Place::default(),
             key => self.filters[(key & NUMBER) as usize].place,
@@ -151,7 +157,7 @@ impl Few {
     fn show<S: Set, T: Collect>(&self, source: &Rays, rays: &Prepared, mut to: T) -> T {
         let scales = Scales::of(&self.bounds, source, rays);
         for group in &self.groups {
-            if !group.is_met::<S>(rays) {
+            if group.slabs.met::<S>(rays, &rays.tmax) == 0 {
                 continue;
             }
             for (plane, filters) in &self.planes[group.members.clone()] {
@@ -199,25 +205,32 @@ impl Collect for Blocked {
 
 impl Group {
     fn new(members: Range<usize>, bounds: &Aabb) -> Group {
+        Group { members, slabs: Slabs::around(bounds) }
+    }
+}
+
+impl Slabs {
+    /// The box.
+    pub fn around(bounds: &Aabb) -> Slabs {
         let (lo, hi) = enlarge(bounds.min.to_array(), bounds.max.to_array());
-        Group { members, planes: [0, 1, 2].map(|k| [lo[k], hi[k]]) }
+        Slabs([0, 1, 2].map(|k| [lo[k], hi[k]]))
     }
 
-    /// Whether any of the rays meets the box.
+    /// The live rays that meet it before their `ends`.
     #[inline(always)]
-    fn is_met<S: Set>(&self, rays: &Prepared) -> bool {
-        let mut met = 0;
+    pub fn met<S: Set>(&self, rays: &Prepared, ends: &[f32; LANES]) -> Mask {
+        let mut met = [0u32; LANES];
         for i in 0..LANES {
-            let (mut from, mut to) = (rays.tmin[i], rays.tmax[i]);
+            let (mut from, mut to) = (rays.tmin[i], ends[i]);
             for k in 0..3 {
-                let [lo, hi] = self.planes[k];
+                let [lo, hi] = self.0[k];
                 let (first, last) = if rays.near_side[k][i] == 0 { (lo, hi) } else { (hi, lo) };
                 from = max(fused::<S>(first, rays.inverse[k][i], -rays.near_start[k][i]), from);
                 to = min(fused::<S>(last, rays.inverse[k][i], -rays.far_start[k][i]), to);
             }
-            met |= (from <= to) as u32 & (rays.live >> i) as u32 & 1;
+            met[i] = (from <= to) as u32;
         }
-        met != 0
+        (0..LANES).fold(0, |mask, i| mask | (met[i] as Mask) << i) & rays.live
     }
 }
 

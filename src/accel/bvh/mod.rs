@@ -48,6 +48,10 @@ use crate::math::Vec3;
 use crate::math::isa::{self, Isa, Kernel, Set};
 use crate::shape::Mesh;
 use few::Few;
+#[cfg(feature = "embree")]
+pub(super) use few::Slabs;
+#[cfg(not(feature = "embree"))]
+use few::Slabs;
 use meeting::Meetings;
 use ray::Prepared;
 use std::cell::Cell;
@@ -92,6 +96,34 @@ impl Bvh {
         Bvh { tree, few, in_turns, isa: isa.unwrap_or_else(Isa::best) }
     }
 
+    /// As [`Intersector::closest`], but hits at edges are not settled, and there are other triangles in the box `others`.
+    /// Returns which hits are in doubt, and which rays meet that box on their way to what they hit here.
+    #[cfg(feature = "embree")]
+    pub(super) fn closest_beside(&self, others: &Slabs, rays: Checked<'_>, hits: &mut Hits) -> [Mask; 2] {
+        let few = self.few.as_ref();
+        let closest = Closest { tree: self.tree(), few, others: Some(others), rays, hits };
+        let (_, in_doubt, left) = isa::run(self.isa, closest);
+        [in_doubt, left]
+    }
+
+    /// As [`Intersector::occluded`], and which of the other rays meet the box `others`.
+    #[cfg(feature = "embree")]
+    pub(super) fn occluded_beside(&self, others: &Slabs, rays: Checked<'_>) -> [Mask; 2] {
+        isa::run(self.isa, Occluded { tree: self.tree(), few: self.few.as_ref(), others: Some(others), rays })
+    }
+
+    /// Whether it has no triangle.
+    #[cfg(feature = "embree")]
+    pub(super) fn is_empty(&self) -> bool {
+        self.tree.blocks.is_empty()
+    }
+
+    /// Calls `each` with mesh, triangle and corners of all triangles whose boxes come within `radius` of `point`.
+    #[cfg(feature = "embree")]
+    pub(super) fn around(&self, point: Vec3, radius: f32, each: &mut dyn FnMut([u32; 2], [Vec3; 3])) {
+        Placed { tree: self.tree(), places: [Place::default(); LANES] }.around(point, radius, each);
+    }
+
     fn tree(&self) -> Tree<'_> {
         Tree { nodes: &self.tree.nodes, blocks: &self.tree.blocks, in_turns: self.in_turns }
     }
@@ -100,12 +132,15 @@ impl Bvh {
 impl Intersector for Bvh {
     fn closest(&self, rays: Checked<'_>, _: Coherence, hits: &mut Hits) {
         let tree = self.tree();
-        let (places, in_doubt) = isa::run(self.isa, Closest { tree, few: self.few.as_ref(), rays, hits });
+        let (places, in_doubt, _) =
+            isa::run(self.isa, Closest { tree, few: self.few.as_ref(), others: None, rays, hits });
         settle(&Placed { tree, places }, rays.rays(), in_doubt, hits);
     }
 
     fn occluded(&self, rays: Checked<'_>, _: Coherence) -> Mask {
-        isa::run(self.isa, Occluded { tree: self.tree(), few: self.few.as_ref(), rays })
+        let [hit, _] =
+            isa::run(self.isa, Occluded { tree: self.tree(), few: self.few.as_ref(), others: None, rays });
+        hit
     }
 
     fn bytes(&self) -> usize {
@@ -132,17 +167,19 @@ fn take_stacks() -> Box<Stacks> {
 struct Closest<'a> {
     tree: Tree<'a>,
     few: Option<&'a Few>,
+    /// Around triangles that are not in the tree.
+    others: Option<&'a Slabs>,
     rays: Checked<'a>,
     hits: &'a mut Hits,
 }
 
 impl Kernel for Closest<'_> {
-    type Output = ([Place; LANES], Mask);
+    type Output = ([Place; LANES], Mask, Mask);
 
-    /// Where the triangles are that were hit, and which hits are in doubt.
+    /// Where the triangles are that were hit, which hits are in doubt, and which rays meet the others' box before.
     #[inline(always)]
-    fn run<S: Set>(self) -> ([Place; LANES], Mask) {
-        let Closest { tree, few, rays, hits } = self;
+    fn run<S: Set>(self) -> ([Place; LANES], Mask, Mask) {
+        let Closest { tree, few, others, rays, hits } = self;
         let prepared = Prepared::new(rays.rays(), if tree.blocks.is_empty() { 0 } else { rays.active() });
         let (found, meetings) = match few {
             Some(few) if prepared.live != 0 => few.closest::<S>(&tree, rays.rays(), &prepared),
@@ -170,7 +207,17 @@ impl Kernel for Closest<'_> {
         }
         let in_doubt =
             if found.hit == 0 { 0 } else { meetings.in_doubt(rays.rays(), found.hit & rays.active()) };
-        (found.place, in_doubt)
+        let left = match others {
+            Some(others) => {
+                let ends = std::array::from_fn(|i| match found.hit >> i & 1 {
+                    1 => meetings.t[i],
+                    _ => prepared.tmax[i],
+                });
+                others.met::<S>(&prepared, &ends)
+            }
+            None => 0,
+        };
+        (found.place, in_doubt, left)
     }
 }
 
@@ -197,20 +244,22 @@ impl Triangles for Placed<'_> {
 struct Occluded<'a> {
     tree: Tree<'a>,
     few: Option<&'a Few>,
+    others: Option<&'a Slabs>,
     rays: Checked<'a>,
 }
 
 impl Kernel for Occluded<'_> {
-    type Output = Mask;
+    type Output = [Mask; 2];
 
+    /// What is hit, and which of the other rays meet the others' box.
     #[inline(always)]
-    fn run<S: Set>(self) -> Mask {
-        let Occluded { tree, few, rays } = self;
+    fn run<S: Set>(self) -> [Mask; 2] {
+        let Occluded { tree, few, others, rays } = self;
         if tree.blocks.is_empty() {
-            return 0;
+            return [0; 2];
         }
         let prepared = Prepared::new(rays.rays(), rays.active());
-        match few {
+        let hit = match few {
             Some(few) => few.occluded::<S>(&tree, rays.rays(), &prepared),
             None => {
                 let mut stacks = take_stacks();
@@ -218,6 +267,8 @@ impl Kernel for Occluded<'_> {
                 STACKS.set(Some(stacks));
                 hit
             }
-        }
+        };
+        let left = others.map_or(0, |others| others.met::<S>(&prepared, &prepared.tmax));
+        [hit, left & !hit]
     }
 }

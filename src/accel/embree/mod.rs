@@ -14,9 +14,10 @@
 //! - Quality *medium* gives one tree over all triangles, whatever the threads: partitions differ in order
 //!   only, and leaves are sorted. *High* is the same as *medium* in a robust scene; it is mapped to it.
 //! - Quality *low* is a Morton tree a geometry under a top level whose order is a race between threads,
-//!   and rays take 2–5 times as long through many of them. So all meshes go into one geometry there
-//!   (`merged.rs`), which is as deterministic as *medium*.
+//!   and rays take 2–5 times as long through many of them. So all large meshes go into one geometry there
+//!   (`merged.rs`), which is as deterministic as *medium*, and a few triangles beside them into none (`aside.rs`).
 
+mod aside;
 pub mod bare;
 mod device;
 mod doubt;
@@ -34,17 +35,19 @@ mod guard;
 mod tests;
 
 use super::settle::{Triangles, in_doubt, settle};
-use super::{BuildOptions, Checked, Coherence, Hits, Intersector, Mask, Quality, Rays, cancelled};
+use super::{BuildOptions, Checked, Coherence, Hits, Intersector, LANES, Mask, Quality, Rays, cancelled};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::math::isa::Isa;
 use crate::memory::{self, Limit};
 use crate::shape::Mesh;
+use aside::Aside;
 use device::Device;
 use doubt::Areas;
 use merged::Merged;
 use scene::Scene;
 use shared::Shared;
+use std::borrow::Cow;
 use std::sync::Arc;
 use trace::Width;
 
@@ -54,6 +57,8 @@ pub struct Embree {
     scene: Scene,
     device: Device,
     geometry: Geometry,
+    /// What the scene does not hold.
+    aside: Option<Aside>,
     meshes: Vec<Arc<Mesh>>,
     /// The longest edge of each mesh.
     longest: Vec<f32>,
@@ -108,9 +113,13 @@ impl Embree {
         for (index, mesh) in meshes.iter().enumerate() {
             check_limits(index, mesh.positions.len() as u64, mesh.indices.len() as u64)?;
         }
+        let (large, aside) = match Aside::split(meshes, options)? {
+            Some((large, aside)) => (Cow::Owned(large), Some(aside)),
+            None => (Cow::Borrowed(meshes), None),
+        };
         let geometry = match options.quality {
-            Quality::Low if Merged::pays(meshes) => Geometry::Merged(Merged::new(meshes)?),
-            _ => Geometry::Shared(Shared::new(meshes)?),
+            Quality::Low if Merged::pays(&large) => Geometry::Merged(Merged::new(&large)?),
+            _ => Geometry::Shared(Shared::new(&large)?),
         };
         let device = Device::new(isa, options.threads, memory)?;
         let mut uncommitted = scene::Uncommitted::new(&device, options.quality, robust, options.compact)?;
@@ -132,6 +141,7 @@ impl Embree {
             scene,
             device,
             geometry,
+            aside,
             meshes: meshes.to_vec(),
             longest,
             compact: options.compact,
@@ -145,20 +155,48 @@ impl Embree {
 impl Embree {
     /// Embree's own answers, with the meshes' names, and what Embree says of the triangles' areas.
     #[inline(always)]
-    fn trace(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) -> Areas {
+    fn trace_scene(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) -> Areas {
         let areas = trace::closest(&self.scene, self.width, rays, coherence, hits);
         if let Geometry::Merged(merged) = &self.geometry {
             merged.name_hits(rays.active(), hits);
         }
         areas
     }
+
+    /// The answers that are not settled, and which of them to look at again.
+    #[inline(always)]
+    fn trace(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) -> Mask {
+        let Some(aside) = &self.aside else {
+            let areas = self.trace_scene(rays, coherence, hits);
+            return doubt::doubtful(rays.rays(), rays.active(), hits, &areas, &self.longest);
+        };
+        let [in_doubt, left] = aside.closest(rays, hits);
+        if left == 0 {
+            return in_doubt;
+        }
+        let mut of_scene = Hits::default();
+        let areas = self.trace_scene(rays.only(left), coherence, &mut of_scene);
+        let mut nearer = 0;
+        for lane in 0..LANES {
+            // A miss is at an infinite distance and has the highest of names, as has a lane that is not asked for.
+            let (t, mesh) = (of_scene.t[lane], of_scene.mesh[lane]);
+            let is = (t < hits.t[lane]) | ((t == hits.t[lane]) & (mesh < hits.mesh[lane]));
+            let is = is & (left >> lane & 1 == 1);
+            nearer |= Mask::from(is) << lane;
+            hits.t[lane] = if is { t } else { hits.t[lane] };
+            hits.u[lane] = if is { of_scene.u[lane] } else { hits.u[lane] };
+            hits.v[lane] = if is { of_scene.v[lane] } else { hits.v[lane] };
+            hits.mesh[lane] = if is { mesh } else { hits.mesh[lane] };
+            hits.triangle[lane] = if is { of_scene.triangle[lane] } else { hits.triangle[lane] };
+        }
+        in_doubt & !nearer | doubt::doubtful(rays.rays(), nearer, hits, &areas, &self.longest)
+    }
 }
 
 impl Intersector for Embree {
     fn closest(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) {
-        let areas = self.trace(rays, coherence, hits);
-        let (rays, active) = (rays.rays(), rays.active());
-        let doubtful = doubt::doubtful(rays, active, hits, &areas, &self.longest);
+        let doubtful = self.trace(rays, coherence, hits);
+        let rays = rays.rays();
         if doubtful != 0 {
             weights::weigh(|hits, lane| self.hit(hits, lane), rays, doubtful, hits);
             settle(self, rays, in_doubt(self, rays, doubtful, hits), hits);
@@ -166,7 +204,11 @@ impl Intersector for Embree {
     }
 
     fn occluded(&self, rays: Checked<'_>, _: Coherence) -> Mask {
-        trace::occluded(&self.scene, self.width, rays)
+        let [hit, left] = self.aside.as_ref().map_or([0, !0], |aside| aside.occluded(rays));
+        match rays.only(left) {
+            rays if rays.active() == 0 => hit,
+            rays => hit | trace::occluded(&self.scene, self.width, rays),
+        }
     }
 
     fn gains_from_octants(&self) -> bool {
@@ -210,6 +252,9 @@ impl Triangles for Embree {
         let corners: Vec<[Vec3; 3]> = ids.iter().map(corners).collect();
         for (ids, corners) in ids.into_iter().zip(corners) {
             each(ids, corners);
+        }
+        if let Some(aside) = &self.aside {
+            aside.around(point, radius, each);
         }
     }
 

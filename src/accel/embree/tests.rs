@@ -1,5 +1,6 @@
 //! What the backend promises, on every packet width that the machine has.
 
+mod aside;
 mod memory;
 mod ways;
 

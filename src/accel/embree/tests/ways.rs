@@ -74,7 +74,10 @@ fn the_quick_look_changes_nothing() {
         }
         let mesh = Arc::new(mesh);
         for (isa, quality) in isas().flat_map(|isa| QUALITIES.map(|q| (isa, q))) {
-            let embree = build(&[mesh.clone(), triangle(0.5)], isa, quality);
+            // With a triangle aside, and without.
+            let beside = if offset == 0.0 { aside::ground(0.5, scale) } else { Arc::new(terrain(4, 18)) };
+            let embree = build(&[mesh.clone(), beside], isa, quality);
+            assert_eq!(embree.aside.is_some(), offset == 0.0);
             let mut random = ChaCha8Rng::seed_from_u64(14);
             for _ in 0..100 {
                 let mut rays = rays_at_terrain(&mut random, 64.0);
@@ -84,18 +87,8 @@ fn the_quick_look_changes_nothing() {
                 }
                 let (mut got, mut expected) = (Hits::default(), Hits::default());
                 embree.closest(rays.check(!0), Coherence::Incoherent, &mut got);
-                let areas = trace::closest(
-                    &embree.scene,
-                    embree.width,
-                    rays.check(!0),
-                    Coherence::Incoherent,
-                    &mut expected,
-                );
-                if let Geometry::Merged(merged) = &embree.geometry {
-                    merged.name_hits(!0, &mut expected);
-                }
+                let doubtful = embree.trace(rays.check(!0), Coherence::Incoherent, &mut expected);
                 let hit = expected.mesh.iter().filter(|&&m| m != MISS).count() as u32;
-                let doubtful = doubt::doubtful(&rays, !0, &expected, &areas, &embree.longest);
                 for lane in (0..LANES).filter(|&lane| expected.mesh[lane] != MISS) {
                     let corners = embree.hit(&expected, lane);
                     // At 1e9 it overflows, and doubts everything.
