@@ -164,7 +164,7 @@ impl BuildQuality {
         match self {
             BuildQuality::Fixed(quality) => quality,
             BuildQuality::Auto
-                if spp <= PREVIEW_SPP && triangles > 100_000 && samples < triangles / 2 * 3 =>
+                if spp <= PREVIEW_SPP && triangles > 100_000 && samples / 3 < triangles / 2 =>
             {
                 Quality::Low
             }
