@@ -87,3 +87,43 @@ fn what_shares_an_edge_is_not_set_aside() {
     assert!(!is_aside(&[top.clone(), half.clone()]));
     assert!(is_aside(&[top, moved(&half, Vec3::new(0.0, 0.0, -0.1))]));
 }
+
+/// A closed body of few triangles, which may stand anywhere: rays from outside that are aimed at its edges do not meet its
+/// inside. (Not settled, one in 150 does.)
+#[test]
+fn a_small_body_has_no_inside() {
+    let corner =
+        |i: u32| [20.0 + 4.0 * (i & 1) as f32, 20.0 + 4.0 * (i >> 1 & 1) as f32, 4.0 * (i >> 2) as f32];
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
+    let indices = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let body = Arc::new(Mesh::new((0..8).map(corner).collect(), indices));
+    let mut random = ChaCha8Rng::seed_from_u64(19);
+    let mut unit = || (random.next_u32() >> 8) as f32 * 2f32.powi(-24);
+    for isa in isas() {
+        let embree = build(&[Arc::new(terrain(64, 15)), body.clone()], isa, Quality::Medium);
+        assert!(embree.aside.is_some());
+        let (mut hit, mut wrong) = (0, 0);
+        for _ in 0..2000 {
+            let eye =
+                Vec3::new(22.0, 22.0, 3.0) + Vec3::new(unit() - 0.5, unit() - 0.5, unit()).normalize() * 12.0;
+            let mut rays = Rays::default();
+            for lane in 0..LANES {
+                // Edges of the upper half: two that meet at a corner of the top, and the upright one below it.
+                let top = Vec3::from(corner(4 + (lane as u32 & 3)));
+                let along = 0.98 * unit() + 0.01;
+                let other = [lane as u32 & 3 ^ 5, lane as u32 & 3 ^ 6, lane as u32 & 3][lane % 3];
+                let target = top.lerp(Vec3::from(corner(other)), along);
+                rays.set(lane, eye, target - eye, 0.0, f32::INFINITY);
+            }
+            let mut hits = Hits::default();
+            embree.closest(rays.check(!0), Coherence::Incoherent, &mut hits);
+            for lane in (0..LANES).filter(|&lane| hits.mesh[lane] == 1) {
+                let [a, b, c] = embree.hit(&hits, lane);
+                let outside = (b - a).cross(c - a).normalize().dot(rays.d(lane).normalize());
+                wrong += usize::from(outside > 1e-7);
+                hit += 1;
+            }
+        }
+        assert!(hit > 10_000 && wrong <= hit / 10_000, "{isa}: {wrong} of {hit}");
+    }
+}
