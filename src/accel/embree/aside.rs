@@ -82,7 +82,11 @@ impl Aside {
 
 /// A box around all vertices, whether or not a triangle has them.
 fn around(meshes: &[Arc<Mesh>]) -> Aabb {
-    let grow = |bounds: Aabb, p: &[f32; 3]| bounds.grow(Vec3::from(*p));
+    // What is no number belongs to no triangle that can be hit, and would make the box forget what it held.
+    let grow = |bounds: Aabb, p: &[f32; 3]| match p.iter().any(|x| x.is_nan()) {
+        true => bounds,
+        false => bounds.grow(Vec3::from(*p)),
+    };
     let of = |mesh: &Arc<Mesh>| {
         let chunks = mesh.positions.par_chunks(1 << 14).map(|chunk| chunk.iter().fold(Aabb::EMPTY, grow));
         chunks.reduce(|| Aabb::EMPTY, |a, b| a.union(b))
@@ -90,12 +94,17 @@ fn around(meshes: &[Arc<Mesh>]) -> Aabb {
     meshes.iter().map(of).fold(Aabb::EMPTY, Aabb::union)
 }
 
-/// The edges that not exactly two triangles of `meshes`, which are few, have between the same two points.
+/// The edges that not exactly two triangles of `meshes`, which are few, have between the same two points. (One triangle
+/// that is listed twice closes nothing.)
 fn open_edges(meshes: &[Arc<Mesh>]) -> Vec<[Vec3; 2]> {
     let triangles = meshes.iter().flat_map(|m| (0..m.indices.len()).map(|i| m.triangle(i)));
-    let edges: Vec<[Vec3; 2]> = triangles.flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
-    let count = |[a, b]: [Vec3; 2]| edges.iter().filter(|e| **e == [a, b] || **e == [b, a]).count();
-    edges.iter().copied().filter(|e| count(*e) != 2).collect()
+    // With the corner opposite to each.
+    let edges: Vec<_> = triangles.flat_map(|[a, b, c]| [([a, b], c), ([b, c], a), ([c, a], b)]).collect();
+    let is_closed = |[a, b]: [Vec3; 2]| {
+        let mut opposite = edges.iter().filter(|(e, _)| *e == [a, b] || *e == [b, a]).map(|(_, c)| *c);
+        matches!((opposite.next(), opposite.next(), opposite.next()), (Some(c), Some(d), None) if c != d)
+    };
+    edges.iter().map(|(e, _)| *e).filter(|e| !is_closed(*e)).collect()
 }
 
 /// Whether a segment comes into a box that is enlarged by far more than what anything is rounded by.

@@ -25,7 +25,12 @@ fn closed_box(n: u32) -> [Arc<Mesh>; 2] {
 /// The same names and occlusion as our BVH has, wherever the few triangles stand in the list.
 #[test]
 fn the_hierarchy_has_the_same_answers() {
-    let large = Arc::new(terrain(64, 15));
+    let mut large = terrain(64, 15);
+    // Two vertices that no triangle has: the box around the others does not forget them.
+    let mut positions = large.positions.to_vec();
+    positions.extend([[f32::NAN; 3], [0.0; 3]]);
+    large.positions = crate::shape::Positions::new(positions);
+    let large = Arc::new(large);
     let few = [ground(-1.0, 1.0), ground(0.5, 1.0)];
     for order in [[0, 1, 2], [1, 0, 2], [1, 2, 0]] {
         let all = [&large, &few[0], &few[1]];
@@ -85,7 +90,10 @@ fn what_shares_an_edge_is_not_set_aside() {
     assert!(is_aside(&[top.clone(), moved(&below, Vec3::new(9.9, 0.0, 0.0))]));
     let half = Arc::new(Mesh::new(below.positions.to_vec(), vec![below.indices[0]]));
     assert!(!is_aside(&[top.clone(), half.clone()]));
-    assert!(is_aside(&[top, moved(&half, Vec3::new(0.0, 0.0, -0.1))]));
+    assert!(is_aside(&[top.clone(), moved(&half, Vec3::new(0.0, 0.0, -0.1))]));
+    // Nor that half listed twice, from both sides.
+    let [a, b, c] = below.indices[0];
+    assert!(!is_aside(&[top, Arc::new(Mesh::new(below.positions.to_vec(), vec![[a, b, c], [a, c, b]]))]));
 }
 
 /// A closed body of few triangles, which may stand anywhere: rays from outside that are aimed at its edges do not meet its
