@@ -68,6 +68,19 @@
 //! # }
 //! ```
 
+// What a user brings is answered with an error: nothing here may give up, tests apart.
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented
+    )
+)]
+
 pub mod error;
 pub mod math;
 pub mod memory;

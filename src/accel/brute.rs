@@ -109,10 +109,12 @@ fn volumes(ray: &Ray64, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
 }
 
 /// True when the triangle has area: f64 differences and products of f32 numbers, so that exactly collinear
-/// or repeated corners give exactly 0 (as long as the coordinates' exponents are within 29 of each other).
+/// or repeated corners give exactly 0 (as long as the coordinates' exponents are within 29 of each other). A corner that
+/// is no number, or infinite, makes none.
 pub fn has_area(corners: [Vec3; 3]) -> bool {
     let [a, b, c] = corners.map(|p| p.as_dvec3());
-    (b - a).cross(c - a) != DVec3::ZERO
+    let n = (b - a).cross(c - a);
+    n != DVec3::ZERO && n.is_finite()
 }
 
 /// A triangle that was met.

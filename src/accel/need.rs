@@ -9,7 +9,8 @@ const USUAL: u64 = 120;
 /// Embree's compact layout, which the BVH has not: what Embree asks for. About half of it is ever touched.
 #[cfg(feature = "embree")]
 const COMPACT: u64 = 90;
-/// What a copy of a mesh takes, a triangle and a vertex: Embree's low quality joins several meshes to one.
+/// What a copy of a mesh takes, a triangle and a vertex: Embree's low quality joins several meshes to one. (Not where all
+/// but one are a few triangles that are set aside, which is not known before they are read.)
 #[cfg(feature = "embree")]
 const JOINED: u64 = 12;
 

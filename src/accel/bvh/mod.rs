@@ -48,10 +48,7 @@ use crate::math::Vec3;
 use crate::math::isa::{self, Isa, Kernel, Set};
 use crate::shape::Mesh;
 use few::Few;
-#[cfg(feature = "embree")]
 pub(super) use few::Slabs;
-#[cfg(not(feature = "embree"))]
-use few::Slabs;
 use meeting::Meetings;
 use ray::Prepared;
 use std::cell::Cell;
@@ -121,7 +118,7 @@ impl Bvh {
     /// Calls `each` with mesh, triangle and corners of all triangles whose boxes come within `radius` of `point`.
     #[cfg(feature = "embree")]
     pub(super) fn around(&self, point: Vec3, radius: f32, each: &mut dyn FnMut([u32; 2], [Vec3; 3])) {
-        Placed { tree: self.tree(), places: [Place::default(); LANES] }.around(point, radius, each);
+        self.tree().around(point, radius, each);
     }
 
     fn tree(&self) -> Tree<'_> {
@@ -234,10 +231,7 @@ impl Triangles for Placed<'_> {
     }
 
     fn around(&self, point: Vec3, radius: f32, each: &mut dyn FnMut([u32; 2], [Vec3; 3])) {
-        self.tree.around(point, radius, &mut |index, lane| {
-            let block = &self.tree.blocks[index];
-            each(block.ids(lane), block.triangle_at(lane));
-        });
+        self.tree.around(point, radius, each);
     }
 }
 

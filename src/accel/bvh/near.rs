@@ -6,15 +6,15 @@ use super::triangle::BLOCK;
 use crate::math::Vec3;
 
 impl Tree<'_> {
-    /// Calls `each` with the block and lane of every triangle in a leaf whose box comes within `radius` of
+    /// Calls `each` with mesh, triangle and corners of every triangle in a leaf whose box comes within `radius` of
     /// `point`. Rare and short, so plainly written.
-    pub fn around(&self, point: Vec3, radius: f32, each: &mut dyn FnMut(usize, usize)) {
+    pub fn around(&self, point: Vec3, radius: f32, each: &mut dyn FnMut([u32; 2], [Vec3; 3])) {
         let mut todo = vec![Child::node(0)];
         while let Some(child) = todo.pop() {
             if child.is_leaf() {
-                for index in child.blocks() {
-                    let used = |lane: &usize| self.blocks[index].mesh[*lane] != u32::MAX;
-                    (0..BLOCK).filter(used).for_each(|lane| each(index, lane));
+                for block in &self.blocks[child.blocks()] {
+                    let used = |lane: &usize| block.mesh[*lane] != u32::MAX;
+                    (0..BLOCK).filter(used).for_each(|lane| each(block.ids(lane), block.triangle_at(lane)));
                 }
                 continue;
             }

@@ -1,8 +1,7 @@
 //! A few triangles beside large meshes, kept out of Embree's tree.
 //!
-//! A scan stands on a ground, a part in front of a wall. Most rays that leave the ground pass by the scan, and most that
-//! do not, leave the scan for the sky. Here the few triangles are met by our own test of a few ([`crate::accel::bvh`]),
-//! and only rays that meet the box around the large meshes, before what they hit of the few, are Embree's; of two hits
+//! A scan stands on a ground, a part in front of a wall, and many rays that leave the ground pass the scan by. Here the few
+//! triangles are met by our own test of a few ([`crate::accel::bvh`]), and only rays that meet the box around the large meshes, before what they hit of the few, are Embree's; of two hits
 //! the nearer counts, and at the same distance the mesh of the lower index. The two triangles of the ground are not in
 //! the way of the tree of the others either, which in low quality sorts triangles by where they are and does
 //! not look at how large they are; and a single large mesh need not be joined with them in a copy there.
@@ -21,7 +20,7 @@ use std::sync::Arc;
 /// All small meshes together have up to so many triangles.
 const MOST: usize = 16;
 
-/// With fewer triangles in the large meshes there is little to be gained.
+/// The large meshes have at least so many; with fewer it was not tried.
 const LARGE: usize = 1 << 12;
 
 /// The triangles that Embree does not see.

@@ -1,6 +1,7 @@
 //! Embree as a backend: the only user of its C interface.
 //!
-//! [`Embree::build`] makes a device, one scene and one geometry a mesh, commits, and only then returns: an
+//! [`Embree::build`] makes a device, one scene and one geometry a mesh (a few triangles beside large meshes are kept out
+//! of it, and met by our own test: `aside.rs`), commits, and only then returns: an
 //! uncommitted scene cannot be expressed, and a committed one is never changed again. Errors of the library
 //! become a [`Result`] after device, geometry and commit, never per ray.
 //!
@@ -14,8 +15,8 @@
 //! - Quality *medium* gives one tree over all triangles, whatever the threads: partitions differ in order
 //!   only, and leaves are sorted. *High* is the same as *medium* in a robust scene; it is mapped to it.
 //! - Quality *low* is a Morton tree a geometry under a top level whose order is a race between threads,
-//!   and rays take 2–5 times as long through many of them. So all large meshes go into one geometry there
-//!   (`merged.rs`), which is as deterministic as *medium*, and a few triangles beside them into none (`aside.rs`).
+//!   and rays take 2–5 times as long through many of them. So all meshes go into one geometry there
+//!   (`merged.rs`), which is as deterministic as *medium*.
 
 mod aside;
 pub mod bare;
@@ -181,7 +182,6 @@ impl Embree {
             // A miss is at an infinite distance and has the highest of names, as has a lane that is not asked for.
             let (t, mesh) = (of_scene.t[lane], of_scene.mesh[lane]);
             let is = (t < hits.t[lane]) | ((t == hits.t[lane]) & (mesh < hits.mesh[lane]));
-            let is = is & (left >> lane & 1 == 1);
             nearer |= Mask::from(is) << lane;
             hits.t[lane] = if is { t } else { hits.t[lane] };
             hits.u[lane] = if is { of_scene.u[lane] } else { hits.u[lane] };

@@ -59,7 +59,7 @@ fn the_hierarchy_has_the_same_answers() {
                     assert!((got.t[lane] - expected.t[lane]).abs() <= 1e-5 * expected.t[lane]);
                     counts[got.mesh[lane] as usize] += 1;
                 }
-                // In front of everything, nothing; up to a little behind the hit, something; also for lanes off.
+                // Up to a little before the hit there is nothing, up to a little behind it something.
                 for (factor, blocked) in [(0.9, 0), (1.1, inner)] {
                     let mut rays = rays.clone();
                     (0..LANES).for_each(|lane| rays.tmax[lane] = expected.t[lane] * factor);
@@ -85,13 +85,13 @@ fn what_shares_an_edge_is_not_set_aside() {
     };
     let below = ground(1.0, 1.0);
     assert!(is_aside(&[top.clone(), below.clone()]) && is_aside(&[below.clone(), top.clone()]));
-    // Its edge at x = −10 does not, nor does one half's alone.
+    // Its edge at x = −10 may not, nor may the one that one half has without the other.
     assert!(!is_aside(&[top.clone(), moved(&below, Vec3::new(10.0, 0.0, 0.0))]));
     assert!(is_aside(&[top.clone(), moved(&below, Vec3::new(9.9, 0.0, 0.0))]));
     let half = Arc::new(Mesh::new(below.positions.to_vec(), vec![below.indices[0]]));
     assert!(!is_aside(&[top.clone(), half.clone()]));
     assert!(is_aside(&[top.clone(), moved(&half, Vec3::new(0.0, 0.0, -0.1))]));
-    // Nor that half listed twice, from both sides.
+    // Nor may that of the half listed twice, from both sides.
     let [a, b, c] = below.indices[0];
     assert!(!is_aside(&[top, Arc::new(Mesh::new(below.positions.to_vec(), vec![[a, b, c], [a, c, b]]))]));
 }
