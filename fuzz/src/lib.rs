@@ -22,6 +22,7 @@ use std::collections::HashMap;
 use std::fs::File;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A target: the bytes it is given decide what it does.
 pub type Target = fn(&[u8]);
@@ -87,7 +88,7 @@ fn sound_attribute<T>(mesh: &Mesh, attribute: &Attribute<T>, is_finite: impl Fn(
     }
 }
 
-/// A folder of this process and one target, in memory where there is such a place; gone with the thread that made it.
+/// A folder of one thread and one target, in memory where there is such a place; gone with the thread that made it.
 ///
 /// It and its files stay from one execution to the next, since making them takes longer than most readers do.
 struct Folder {
@@ -102,7 +103,9 @@ impl Folder {
     fn new(target: &str, input: &str) -> Folder {
         let memory = Path::new("/dev/shm");
         let parent = if memory.is_dir() { memory.to_path_buf() } else { std::env::temp_dir() };
-        let path = parent.join(format!("drt-fuzz-{}-{target}", std::process::id()));
+        static NEXT: AtomicUsize = AtomicUsize::new(0);
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        let path = parent.join(format!("drt-fuzz-{}-{number}-{target}", std::process::id()));
         std::fs::create_dir_all(&path).expect("a folder");
         let input = path.join(input);
         let reach = Reach::folder_of(&input).expect("the folder");

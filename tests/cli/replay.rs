@@ -34,3 +34,20 @@ fn a18_what_fuzzing_found() {
         }
     }
 }
+
+/// Every key of scene files is in a seed, and most of what is refused. A seed that is refused by mistake leads nowhere.
+#[test]
+fn seeds_of_scene_files_are_refused_where_they_say_so() {
+    let seeds = files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds/scene_toml"));
+    for file in seeds {
+        let name = file.file_name().unwrap().to_string_lossy();
+        // There is Embree or there is not.
+        if name != "no_embree" {
+            assert_eq!(
+                targets::scene_toml::reads(&fs::read(&file).unwrap()),
+                !name.starts_with("no_"),
+                "{name}"
+            );
+        }
+    }
+}
