@@ -83,7 +83,7 @@ impl Error {
 
     /// Says what to do about it.
     pub fn advise(mut self, advice: impl Into<String>) -> Self {
-        self.advice = Some(advice.into());
+        self.advice = Some(advice.into()).filter(|advice| !advice.is_empty());
         self
     }
 }

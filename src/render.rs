@@ -91,7 +91,7 @@ pub fn build_through(
         !(hooks.stop)()
     };
     let options = BuildOptions {
-        quality: settings.build.resolve(scene.triangles(), settings.size, settings.spp),
+        quality: settings.quality(scene.triangles()),
         compact: settings.compact.resolve(|| settings.backend.is_memory_short(scene.triangles())),
         isa,
         threads: rayon::current_num_threads(),

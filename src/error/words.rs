@@ -34,8 +34,12 @@ fn slips(word: &str, name: &str) -> Option<usize> {
     (slips <= length / 3 || begun).then_some(slips)
 }
 
-/// The advice for a word that is none of `known`: a suggestion when one is near, and the whole list.
+/// The advice for a word that is none of `known`: a suggestion when one is near, and the whole list; nothing where there is
+/// none.
 pub fn unknown_word_advice(word: &str, known: &[&str]) -> String {
+    if known.is_empty() {
+        return String::new();
+    }
     let list = known.join(", ");
     match nearest(word, known.iter().copied()) {
         Some(name) => format!("did you mean \"{name}\"? (known: {list})"),

@@ -23,7 +23,7 @@ pub fn identity(s: &Settings, scene: &Scene, accel: Option<&dyn Intersector>) ->
         render.remove("spp");
     }
     named["film"]["aov"] = s.aovs.iter().map(|aov| aov.name()).collect();
-    let build = BuildQuality::Fixed(s.build.resolve(scene.triangles(), s.size, s.spp));
+    let build = BuildQuality::Fixed(s.quality(scene.triangles()));
     let mut digest = Digest::new();
     digest.value(&Settings { spp: 0, split: None, build, compact: Compact::No, ..s.clone() });
     json!({ "drt": named, "settings": digest.hex() })
@@ -57,7 +57,7 @@ fn settings(s: &Settings, scene: &Scene, accel: Option<&dyn Intersector>) -> Val
             "seed": s.seed,
             "sampler": s.sampler.name(),
             "backend": s.backend.name(),
-            "build": s.build.resolve(scene.triangles(), s.size, s.spp).name(),
+            "build": s.quality(scene.triangles()).name(),
         },
     });
     if let Some(accel) = accel {

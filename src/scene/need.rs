@@ -42,7 +42,7 @@ impl Need {
 
     /// For everything that `settings` ask for.
     pub fn of(&self, settings: &Settings) -> u64 {
-        let quality = settings.build.resolve(self.over.triangles, settings.size, settings.spp);
+        let quality = settings.quality(self.over.triangles);
         let compact = settings.compact == Compact::Yes;
         let structure = settings.backend.need(self.over, quality, compact);
         let later = structure.saturating_add(film(settings));

@@ -153,18 +153,17 @@ impl BuildQuality {
         lookup("build quality", word, Self::TABLE)
     }
 
-    /// The quality for a picture of `size` with `spp` samples a pixel over `triangles`.
+    /// The quality for a picture of `samples` samples, `spp` a pixel, over `triangles`.
     ///
-    /// A low-quality structure is built faster and traced a quarter slower, so it wins for previews of many triangles: up
-    /// to 16 samples a pixel and fewer than three for two triangles. At five million triangles and 0.8 samples a triangle
-    /// Embree's is ahead by 1.4 s of 7 s, in 640 MB instead of 620; extrapolated, they are even at two samples a triangle,
-    /// our BVH's at one and a half.
-    pub fn resolve(self, triangles: u64, size: [u32; 2], spp: u32) -> Quality {
-        let samples = u64::from(size[0]) * u64::from(size[1]) * u64::from(spp);
+    /// A low-quality structure is built faster and traced more slowly, so it wins for previews of many triangles: up to 16
+    /// samples a pixel, and fewer a triangle than [`Backend::low_below`] says.
+    pub fn resolve(self, backend: Backend, triangles: u64, samples: u64, spp: u32) -> Quality {
         match self {
             BuildQuality::Fixed(quality) => quality,
             BuildQuality::Auto
-                if spp <= PREVIEW_SPP && triangles > 100_000 && samples / 3 < triangles / 2 =>
+                if spp <= PREVIEW_SPP
+                    && triangles > 100_000
+                    && samples / backend.low_below() < triangles / 2 =>
             {
                 Quality::Low
             }
@@ -268,6 +267,13 @@ impl Settings {
     /// The most paths into which a sample can split.
     pub const MOST_SPLITS: u32 = 64;
 
+    /// The quality of the structure over so many triangles.
+    pub fn quality(&self, triangles: u64) -> Quality {
+        let samples =
+            self.size.iter().fold(u64::from(self.spp), |n, side| n.saturating_mul(u64::from(*side)));
+        self.build.resolve(self.backend, triangles, samples, self.spp)
+    }
+
     /// Into how many paths samples split at their first hit.
     ///
     /// Unless it is said, into eight where next to all noise comes from behind it: below a sky or by a single lamp. Into two
@@ -297,19 +303,24 @@ mod tests {
 
     #[test]
     fn automatic_builds_are_low_for_previews_of_large_meshes_only() {
-        let auto = |triangles, size, spp| BuildQuality::Auto.resolve(triangles, size, spp);
-        assert_eq!(auto(871_264, [640, 480], 4), Quality::Low);
-        assert_eq!(auto(871_264, [640, 480], 5), Quality::Medium);
-        assert_eq!(auto(5_000_000, [700, 700], 15), Quality::Low);
-        assert_eq!(auto(5_000_000, [700, 700], 16), Quality::Medium);
-        assert_eq!(auto(50_000_000, [512, 512], 16), Quality::Low);
-        assert_eq!(auto(50_000_000, [512, 512], 17), Quality::Medium);
-        // A small mesh is built in no time at all; nothing overflows.
-        assert_eq!(auto(100_000, [1, 1], 1), Quality::Medium);
-        assert_eq!(auto(u64::MAX, [1, 1], 1), Quality::Low);
-        for (quality, spp) in [(Quality::Low, u32::MAX), (Quality::High, 1), (Quality::Medium, 1)] {
-            assert_eq!(BuildQuality::Fixed(quality).resolve(5_000_000, [1000, 1000], spp), quality);
+        for (backend, at_most) in
+            Backend::ALL.iter().map(|b| (*b, if *b == Backend::Bvh { 1.5 } else { 4.0 }))
+        {
+            let auto = |triangles, samples, spp| BuildQuality::Auto.resolve(backend, triangles, samples, spp);
+            let samples = |share: f64| (share * at_most * 5e6) as u64;
+            assert_eq!(auto(5_000_000, samples(0.99), 16), Quality::Low);
+            assert_eq!(auto(5_000_000, samples(1.01), 16), Quality::Medium);
+            assert_eq!(auto(5_000_000, samples(0.99), 17), Quality::Medium);
+            // A small mesh is built in no time at all; nothing overflows.
+            assert_eq!(auto(100_000, 1, 1), Quality::Medium);
+            assert_eq!(auto(u64::MAX, u64::MAX, 1), Quality::Low);
+            for quality in [Quality::Low, Quality::High, Quality::Medium] {
+                assert_eq!(BuildQuality::Fixed(quality).resolve(backend, 5_000_000, 1_000_000, 1), quality);
+            }
         }
+        let settings = Settings { size: [1 << 14, 1 << 14], spp: u32::MAX, ..Settings::default() };
+        assert_eq!(settings.quality(5_000_000), Quality::Medium);
+        assert_eq!(Settings { size: [640, 480], spp: 4, ..settings }.quality(871_264), Quality::Low);
     }
 
     #[test]

@@ -10,7 +10,7 @@
 //! none of their open edges, those that not exactly two of them have, comes near that box.
 
 use crate::accel::bvh::{Bvh, Slabs};
-use crate::accel::{BuildOptions, Checked, Hits, Mask};
+use crate::accel::{BuildOptions, Checked, Hits, Intersector, Mask};
 use crate::error::Result;
 use crate::math::{Aabb, Vec3};
 use crate::shape::Mesh;
@@ -71,6 +71,11 @@ impl Aside {
     #[inline]
     pub(super) fn occluded(&self, rays: Checked<'_>) -> [Mask; 2] {
         self.bvh.occluded_beside(&self.others, rays)
+    }
+
+    /// Bytes of the structure over what is set aside.
+    pub(super) fn bytes(&self) -> usize {
+        self.bvh.bytes()
     }
 
     /// Calls `each` with mesh, triangle and corners of what comes within `radius` of `point`.

@@ -220,7 +220,7 @@ impl Intersector for Embree {
             Geometry::Shared(shared) => shared.bytes(),
             Geometry::Merged(merged) => merged.bytes(),
         };
-        self.device.bytes() + own
+        self.device.bytes() + own + self.aside.as_ref().map_or(0, Aside::bytes)
     }
 
     fn compact(&self) -> bool {

@@ -43,9 +43,10 @@ pub(super) fn goes_on(meshes: &[Arc<Mesh>], ray: &Ray64, first: [DVec3; 3], reac
             let Some(more) = ways(ray, [p, q, r], reach) else { return false };
             pending.extend(more);
         } else if far >= -reach {
-            // Seen edge-on: out by its other edges, the same way.
+            // Seen edge-on: out by its other edges, the same way. It is `reach` wide at most, and the ray as far from this
+            // edge, so it passes one of them within twice that.
             for (corner, third) in [(p, q), (q, p)] {
-                if distance(ray, corner, r) <= reach {
+                if distance(ray, corner, r) <= 2.0 * reach {
                     pending.push(Way { ends: [corner, r], third, ..way });
                 }
             }
@@ -130,6 +131,9 @@ mod tests {
         let step = [[0, 1, 2], [1, 0, 3], [1, 3, 4], [4, 3, 5]];
         assert!(answers(&[O, A, LEFT, o, a, RIGHT], &step)[0]);
         assert!(!answers(&[O, A, LEFT, o, a, RIGHT], &step[..3])[0]);
+        // Nothing is behind a sliver, though the ray passes on this side of its common edge and all of it lies beyond.
+        let (o, a, left) = ([0.0, 0.0, -9e-7], [4.0, 0.0, -9e-7], [0.0, 0.0, 4.0]);
+        assert!(!answers(&[o, a, left, [2.0, -1.0, -18e-7]], &[[0, 1, 2], [1, 0, 3]])[0]);
     }
 
     /// A hit of the edge from `O` to `A`, which another does not see: wrong where the surface goes on.

@@ -112,8 +112,10 @@ fn finding(file: &Path, kind: &'static str, severity: Severity, message: String)
 }
 
 fn check_version(root: &Item<'_>) -> Result<()> {
-    let version = root.need("asset")?.text("version").unwrap_or_default();
-    if !version.starts_with("2.") {
+    let asset = root.need("asset")?;
+    // What wants a later version than 2.0 says so by `minVersion`.
+    let is_later = asset.text("minVersion").is_some_and(|least| least != "2.0");
+    if is_later || !asset.text("version").unwrap_or_default().starts_with("2.") {
         return Err(root.error("is not version 2 of glTF").advise("convert it to glTF 2.0"));
     }
     for required in root.list("extensionsRequired") {

@@ -262,6 +262,8 @@ fn what_cannot_be_read_says_so() {
         "{draco}"
     );
     assert!(error(json!({ "asset": { "version": "1.0" } })).contains("not version 2"));
+    assert!(error(json!({ "asset": { "version": "2.1", "minVersion": "2.1" } })).contains("not version 2"));
+    assert!(read(&with(square(), json!({ "asset": { "version": "2.1", "minVersion": "2.0" } }))).is_ok());
     assert!(read(&json!({ "scenes": [] })).unwrap_err().to_string().contains("has no \"asset\""));
     let error = read_bytes("m.gltf", b"{\n \"asset\": }").unwrap_err().to_string();
     assert!(error.contains("m.gltf:2:") && error.contains("not a whole JSON document"), "{error}");
