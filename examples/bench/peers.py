@@ -7,9 +7,13 @@
       renders what `cargo run --release --example bench -- --json bench.json` has rendered, on one thread, and prints
       CPU seconds without Mitsuba's compiler, relMSE against its own long run, efficiency and drt's ratio to it
 
-`run` needs `pip install mitsuba numpy`, and for llvm_ad_rgb a libLLVM 17 or newer (DRJIT_LIBLLVM_PATH names it).
+  peers.py picture --dir target/bench-scenes --drt target/release/drt [--dragon dragon.obj] [--scenes S2,S3] [--turns 5]
+      takes turns with drt from the files to a picture of 512x512 at 16 samples, on one thread, and prints the medians of
+      the CPU seconds and of the memory at its peak of the whole processes, Mitsuba's compiler included
+
+`run` and `picture` need `pip install mitsuba numpy`, and for llvm_ad_rgb a libLLVM 17 or newer (DRJIT_LIBLLVM_PATH names it).
 """
-import argparse, gzip, json, os, statistics, struct, tarfile, tempfile, time
+import argparse, gzip, json, os, statistics, struct, subprocess, sys, tarfile, tempfile, time
 
 
 def dragon(package, out):
@@ -155,6 +159,37 @@ def run(a):
             print(f"   drt {ours['backend']}: efficiency {ours['efficiency']:.1f}, {ours['efficiency'] * s * e:.2f} times that")
 
 
+def once(a):
+    import drjit, mitsuba as mi, numpy as np
+    mi.set_variant(a.variant)
+    drjit.set_thread_count(1)
+    np.save(a.out, np.array(mi.render(scene(mi, a.scenes, a), spp=a.spp, seed=0)))
+
+
+def picture(a):
+    shared = ["--dir", a.dir, "--dragon", a.dragon or "", "--size", str(a.size), "--spp", str(a.spp)]
+    with tempfile.TemporaryDirectory() as folder:
+        for name in a.scenes.split(","):
+            words = [f"--size={a.size}x{a.size}", f"--spp={a.spp}", "--max-depth=4", "--threads=1", "--quiet"]
+            commands = {
+                "Mitsuba": [sys.executable, __file__, "once", "--scenes", name, "--out", f"{folder}/m.npy", *shared],
+                "drt": [a.drt, f"{a.dir}/{name}.toml", *words, "-o", f"{folder}/d.exr"],
+            }
+            found = {program: [] for program in commands}
+            for _ in range(a.turns):
+                for program, command in commands.items():
+                    process = subprocess.Popen(command)
+                    _, status, used = os.wait4(process.pid, 0)
+                    if status != 0:
+                        sys.exit(f"{program} failed on {name}")
+                    found[program].append((used.ru_utime + used.ru_stime, used.ru_maxrss * 1024 / 1e6))
+            for program, turns in found.items():
+                seconds, memory = (statistics.median(column) for column in zip(*turns))
+                print(f"{name} {program}: {seconds:.2f} s of CPU, {memory:.0f} MB")
+            ratios = [ours[0] / theirs[0] for ours, theirs in zip(found["drt"], found["Mitsuba"])]
+            print(f"   {statistics.median(ratios):.2f} of its time ({min(ratios):.2f} to {max(ratios):.2f})", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
@@ -172,8 +207,23 @@ def main():
     r.add_argument("--spp", type=int, default=64)
     r.add_argument("--longer", type=int, default=16)
     r.add_argument("--runs", type=int, default=3)
+    for name in ("picture", "once"):
+        p = commands.add_parser(name)
+        p.add_argument("--dir", default="target/bench-scenes")
+        p.add_argument("--drt", default="target/release/drt")
+        p.add_argument("--dragon")
+        p.add_argument("--scenes", default="S2,S3")
+        p.add_argument("--variant", default="llvm_ad_rgb")
+        p.add_argument("--sampler", default="multijitter")
+        p.add_argument("--size", type=int, default=512)
+        p.add_argument("--spp", type=int, default=16)
+        p.add_argument("--turns", type=int, default=5)
+        p.add_argument("--out")
     a = parser.parse_args()
-    dragon(a.package, a.out) if a.command == "dragon" else run(a)
+    if a.command == "dragon":
+        dragon(a.package, a.out)
+    else:
+        {"run": run, "picture": picture, "once": once}[a.command](a)
 
 
 if __name__ == "__main__":
