@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
 # fuzz/coverage.sh TARGET FOLDER...: how much of src/ the inputs in these folders reach, as regions, functions and lines.
-# Wants `rustup component add llvm-tools --toolchain nightly`. The libraries' code is built in as well and not counted, which
-# libFuzzer's own number cannot tell apart.
+# Wants `rustup component add llvm-tools --toolchain nightly`. The libraries' code is built in as well and not counted.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 target=${1:?name a target of fuzz/README.md, and folders of inputs}

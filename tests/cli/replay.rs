@@ -1,4 +1,4 @@
-//! The fuzz targets' own functions, on their seeds and on everything that was ever found (`fuzz/README.md`).
+//! The fuzz targets' own functions, on their seeds, on what runs made of them and on everything that was ever found (`fuzz/README.md`).
 
 // What only the targets call is there as well.
 #[allow(dead_code)]
@@ -22,12 +22,13 @@ fn a18_what_fuzzing_found() {
     for (name, run) in targets::TARGETS {
         let seeds = files(&fuzz.join("seeds").join(name));
         assert!(seeds.len() >= 3, "{name} has {} seeds", seeds.len());
-        for file in seeds.into_iter().chain(files(&fuzz.join("found").join(name))) {
+        let more = ["grown", "found"].into_iter().flat_map(|folder| files(&fuzz.join(folder).join(name)));
+        for file in seeds.into_iter().chain(more) {
             eprintln!("{}", file.display());
             run(&fs::read(&file).unwrap());
         }
     }
-    for folder in ["seeds", "found"].map(|folder| fuzz.join(folder)) {
+    for folder in ["seeds", "grown", "found"].map(|folder| fuzz.join(folder)) {
         for target in files(&folder).iter().filter(|path| path.is_dir()) {
             let name = target.file_name().unwrap().to_string_lossy();
             assert!(targets::TARGETS.iter().any(|row| row.0 == name), "{name} is no target");
