@@ -1,13 +1,15 @@
 //! Accessors: typed views of buffers, with what a sparse one replaces. Whether a view fits into its buffer is
 //! checked once; reading then cannot leave it.
 
+use super::Document;
 use super::item::Item;
 use crate::error::Result;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Elements of an accessor without bytes are zeros, and such a file has no size to go by.
-const MOST_ZEROS: usize = 1 << 22;
+/// Elements of an accessor without bytes are zeros: no more than this, or than the document's buffers have bytes if
+/// that is more (a sparse one's elements have others with bytes beside them), so that a short file takes little time.
+const MOST_ZEROS: usize = 1 << 12;
 
 /// The type of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,17 +98,17 @@ pub(super) struct Bytes {
 }
 
 impl Bytes {
-    /// View `index` of the document `root`.
+    /// View `index` of a document.
     ///
     /// # Errors
     /// It does not exist or does not fit into its buffer.
-    pub fn of(root: &Item<'_>, buffers: &[Arc<Vec<u8>>], index: usize) -> Result<Bytes> {
-        let item = root.at("bufferViews", index)?;
+    pub fn of(document: &Document<'_>, index: usize) -> Result<Bytes> {
+        let item = document.root.at("bufferViews", index)?;
         if item.extension("EXT_meshopt_compression").is_some() {
             return Err(item.error("is compressed with meshopt").advise(super::DECODE_FIRST));
         }
         let buffer = item.size("buffer", None)?;
-        let buffer = buffers.get(buffer).ok_or_else(|| item.error("names a buffer that does not exist"))?;
+        let buffer = document.buffers.get(buffer).ok_or_else(|| item.error("names a buffer that does not exist"))?;
         let (first, length) = (item.size("byteOffset", Some(0))?, item.size("byteLength", None)?);
         if first.checked_add(length).is_none_or(|end| end > buffer.len()) {
             return Err(item.error("does not fit into its buffer"));
@@ -133,12 +135,12 @@ pub(super) struct Accessor {
 }
 
 impl Accessor {
-    /// Accessor `index` of the document `root`.
+    /// Accessor `index` of a document.
     ///
     /// # Errors
     /// It does not exist, or does not fit into what it names.
-    pub fn of(root: &Item<'_>, buffers: &[Arc<Vec<u8>>], index: usize) -> Result<Accessor> {
-        let item = root.at("accessors", index)?;
+    pub fn of(document: &Document<'_>, index: usize) -> Result<Accessor> {
+        let item = document.root.at("accessors", index)?;
         let count = item.size("count", None)?;
         let components = match item.text("type") {
             Some("SCALAR") => 1,
@@ -152,17 +154,17 @@ impl Accessor {
         let kind = component(&item)?;
         let normalized = item.get("normalized").is_some_and(|n| n.value.as_bool() == Some(true));
         let view = match item.index("bufferView")? {
-            None if count > MOST_ZEROS => {
+            None if count > MOST_ZEROS.max(document.bytes) => {
                 return Err(item.error(&format!("says {count} elements of no bytes")));
             }
             None => None,
             Some(view) => {
-                let bytes = Bytes::of(root, buffers, view)?;
+                let bytes = Bytes::of(document, view)?;
                 let offset = item.size("byteOffset", Some(0))?;
                 Some(View::new(&item, &bytes, offset, count, components, kind)?)
             }
         };
-        let sparse = item.get("sparse").map(|s| sparse(&s, root, buffers, components, kind)).transpose()?;
+        let sparse = item.get("sparse").map(|s| sparse(&s, document, components, kind)).transpose()?;
         Ok(Accessor { count, components, normalized, view, sparse })
     }
 
@@ -192,14 +194,13 @@ fn component(item: &Item<'_>) -> Result<(Component, usize)> {
 
 fn sparse(
     item: &Item<'_>,
-    root: &Item<'_>,
-    buffers: &[Arc<Vec<u8>>],
+    document: &Document<'_>,
     components: usize,
     kind: (Component, usize),
 ) -> Result<(HashMap<usize, usize>, View)> {
     let count = item.size("count", None)?;
     let view = |item: &Item<'_>, components, kind| {
-        let bytes = Bytes::of(root, buffers, item.size("bufferView", None)?)?;
+        let bytes = Bytes::of(document, item.size("bufferView", None)?)?;
         View::new(item, &bytes, item.size("byteOffset", Some(0))?, count, components, kind)
     };
     let indices = item.need("indices")?;

@@ -1,12 +1,12 @@
 //! The tree of nodes: where meshes, cameras and lights stand.
 
+use super::Document;
 use super::accessor::Accessor;
 use super::item::Item;
 use crate::error::{Error, Result};
 use crate::math::{DMat4, DVec3};
 use glam::{DQuat, DVec4};
 use std::collections::HashSet;
-use std::sync::Arc;
 
 /// A node that is in the scene, and its place.
 pub(super) struct Placed<'d> {
@@ -88,12 +88,12 @@ fn steps(scale: [f64; 3], rotation: [f64; 4], translation: [f64; 3]) -> DMat4 {
 ///
 /// # Errors
 /// An accessor that cannot be read.
-pub(super) fn copies(root: &Item<'_>, node: &Item<'_>, buffers: &[Arc<Vec<u8>>]) -> Result<Vec<DMat4>> {
+pub(super) fn copies(document: &Document<'_>, node: &Item<'_>) -> Result<Vec<DMat4>> {
     let Some(instancing) = node.extension("EXT_mesh_gpu_instancing") else {
         return Ok(vec![DMat4::IDENTITY]);
     };
     let attributes = instancing.need("attributes")?;
-    let of = |name: &str| attributes.index(name)?.map(|a| Accessor::of(root, buffers, a)).transpose();
+    let of = |name: &str| attributes.index(name)?.map(|a| Accessor::of(document, a)).transpose();
     let (translation, rotation, scale) = (of("TRANSLATION")?, of("ROTATION")?, of("SCALE")?);
     let count = [&translation, &rotation, &scale].into_iter().flatten().map(|a| a.count).max().unwrap_or(0);
     let mut copies = Vec::new();

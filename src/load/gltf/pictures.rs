@@ -115,7 +115,7 @@ fn place(
     let inside =
         |bytes| Place::Inside(Inside { file: document.file.to_path_buf(), number, bytes: Arc::new(bytes) });
     if let Some(view) = image.index("bufferView")? {
-        let bytes = Bytes::of(&document.root, &document.buffers, view)?;
+        let bytes = Bytes::of(document, view)?;
         return Ok(Some(inside(bytes.bytes().to_vec())));
     }
     let uri = image.text("uri").ok_or_else(|| image.error("has neither \"uri\" nor \"bufferView\""))?;

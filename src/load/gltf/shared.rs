@@ -74,7 +74,7 @@ impl<'d> Shown<'d> {
                     }
                 }),
             };
-            let copies = nodes::copies(&document.root, &placed.node, &document.buffers)?;
+            let copies = nodes::copies(document, &placed.node)?;
             room.take(copies.len() as u64)?;
             let places: Vec<DMat4> = copies.iter().map(|copy| placed.matrix * *copy).collect();
             let has_own = placed.node.get("weights").is_some();
