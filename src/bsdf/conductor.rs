@@ -103,20 +103,49 @@ impl Conductor {
     /// (f_cos, pdf) of the microfacet lobe alone.
     #[inline(always)]
     fn single(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
-        let h = wo + wi;
-        if wi.z <= 0.0 || h == Vec3::ZERO {
+        if wi.z <= 0.0 || wo + wi == Vec3::ZERO {
             return (Rgb::ZERO, 0.0);
         }
-        let m = h.normalize();
+        let (m, shape, pdf) = self.facets(wo, wi);
+        (self.reflectance.at(wo.dot(m)) * shape, pdf)
+    }
+
+    /// The half vector of two directions in front of the surface, f_cos without the reflectance, and pdf.
+    #[inline(always)]
+    fn facets(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32, f32) {
+        let m = (wo + wi).normalize();
         let d = ggx::d(m, self.widths);
         let (lo, li) = (ggx::lambda(wo, self.widths), ggx::lambda(wi, self.widths));
         // f·cos θi = F·D·G2/(4 cos θo); the visible-normal density of wi is D·G1/(4 cos θo).
         let common = d / (4.0 * wo.z);
-        (self.reflectance.at(wo.dot(m)) * (common / (1.0 + lo + li)), common / (1.0 + lo))
+        (m, common / (1.0 + lo + li), common / (1.0 + lo))
     }
 }
 
 impl Scatter for Conductor {
+    #[inline(always)]
+    fn is_small(&self) -> bool {
+        let constant = matches!(self.reflectance, Reflectance::Constant(_));
+        constant & !self.compensate & (self.alpha >= SMOOTH)
+    }
+
+    #[inline(always)]
+    fn eval_small(&self, view: &View, wi: Vec3) -> (Rgb, f32) {
+        let (_, shape, pdf) = self.facets(view.wo, wi);
+        let some = (wi.z > 0.0) & (pdf >= 0.0);
+        // The average of a constant is the constant.
+        (if some { self.average * shape } else { Rgb::ZERO }, if some { pdf } else { 0.0 })
+    }
+
+    #[inline(always)]
+    fn sample_small(&self, view: &View, u: [f32; 2]) -> (Sample, bool) {
+        let m = ggx::sample_visible_normal(view.wo, self.widths, u);
+        let wi = m * (2.0 * view.wo.dot(m)) - view.wo;
+        let (_, shape, pdf) = self.facets(view.wo, wi);
+        let sample = Sample { wi, weight: self.average * shape / pdf, pdf };
+        (sample, (wi.z > 0.0) & (pdf > 0.0) & pdf.is_finite())
+    }
+
     #[inline(always)]
     fn eval(&self, view: &View, wi: Vec3) -> (Rgb, f32) {
         let wo = view.wo;

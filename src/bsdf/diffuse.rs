@@ -14,7 +14,7 @@ pub struct Diffuse {
 
 impl Scatter for Diffuse {
     #[inline(always)]
-    fn is_small() -> bool {
+    fn is_small(&self) -> bool {
         true
     }
 

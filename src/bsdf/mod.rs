@@ -67,14 +67,24 @@ pub struct View {
 /// What one vertex of a path asks of its material. Directions `wi` with `wi.z < 0` lie behind the surface:
 /// light that passes through.
 pub trait Scatter {
-    /// True of models without branches worth skipping and without tables: they are evaluated for all lanes of a batch
-    /// at once, whether in use or not.
+    /// True where there are no branches worth skipping and no tables: where that is true of all lanes of a batch, they
+    /// are evaluated at once, whether in use or not, by the functions below.
     #[inline(always)]
-    fn is_small() -> bool
-    where
-        Self: Sized,
-    {
+    fn is_small(&self) -> bool {
         false
+    }
+
+    /// [`Scatter::eval`] of a small one, without a branch.
+    #[inline(always)]
+    fn eval_small(&self, view: &View, wi: Vec3) -> (Rgb, f32) {
+        self.eval(view, wi)
+    }
+
+    /// [`Scatter::sample`] of a small one, without a branch: if the second is false, it is `None`.
+    #[inline(always)]
+    fn sample_small(&self, view: &View, u: [f32; 2]) -> (Sample, bool) {
+        let none = Sample { wi: Vec3::ZERO, weight: Rgb::ZERO, pdf: 0.0 };
+        self.sample(view, u, 0.0).map_or((none, false), |sample| (sample, true))
     }
 
     /// (f_cos, pdf) of the non-delta part. Zero where no light passes.

@@ -3,6 +3,7 @@
 
 mod density;
 mod energy;
+mod lanes;
 
 use super::fresnel::Reflectance;
 use super::metals::METALS;
@@ -62,6 +63,8 @@ fn rough_models(roughness: f32, all: &mut Vec<Model>) {
     let white = Reflectance::Constant(Rgb::ONE);
     add("conductor", "gold", Box::new(Conductor::new(index, alpha, false)), 1.0);
     add("conductor", "white", Box::new(Conductor::new(white, alpha, true)), 1.0);
+    let grey = Reflectance::Constant(Rgb::splat(0.7));
+    add("conductor", "single scattering", Box::new(Conductor::new(grey, alpha, false)), 1.0);
     for grain in [0.8, -0.5] {
         let mut metal = Conductor::new(white, alpha, true);
         metal.set(Parameter::Anisotropy, Rgb::splat(grain));

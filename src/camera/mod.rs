@@ -13,7 +13,7 @@ mod perspective;
 pub use lens::Aperture;
 
 use crate::error::{Error, Result};
-use crate::math::{DVec3, Vec3};
+use crate::math::{DVec3, Vec3, Vec3s};
 use crate::shape::{Motion, rotation};
 use glam::DAffine3;
 use std::sync::Arc;
@@ -211,10 +211,41 @@ impl Camera {
         }
     }
 
+    /// [`Camera::ray`] of several: origins, and directions.
+    #[inline(always)]
+    pub fn rays<const N: usize>(
+        &self,
+        [x, y]: [&[f32; N]; 2],
+        lens: &[[f32; N]; 2],
+        time: &[f32; N],
+    ) -> [Vec3s<N>; 2] {
+        let [mut o, mut d] = [Vec3s::ZERO; 2];
+        if matches!(self.projection, Projection::Perspective) && !self.has_lens() && self.moving.is_none() {
+            for lane in 0..N {
+                let (alpha, beta) = self.on_window(x[lane], y[lane]);
+                o.set(lane, self.eye);
+                d.set(lane, self.through(alpha, beta).normalize());
+            }
+            return [o, d];
+        }
+        for lane in 0..N {
+            let ray = self.ray(x[lane], y[lane], [lens[0][lane], lens[1][lane]], time[lane]);
+            o.set(lane, ray.o);
+            d.set(lane, ray.d);
+        }
+        [o, d]
+    }
+
+    /// The window's α and β at image point (`x`, `y`).
+    #[inline(always)]
+    fn on_window(&self, x: f32, y: f32) -> (f32, f32) {
+        let [l, r, t, b] = self.window;
+        (l + x * (r - l), t + y * (b - t))
+    }
+
     #[inline(always)]
     fn standing_ray(&self, x: f32, y: f32, lens: [f32; 2]) -> CameraRay {
-        let [l, r, t, b] = self.window;
-        let (alpha, beta) = (l + x * (r - l), t + y * (b - t));
+        let (alpha, beta) = self.on_window(x, y);
         match self.projection {
             Projection::Perspective => self.perspective_ray(alpha, beta, lens),
             Projection::Orthographic => self.orthographic_ray(alpha, beta),

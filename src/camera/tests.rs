@@ -114,3 +114,30 @@ fn an_orbit_keeps_the_distance_and_begins_where_the_camera_stands() {
     let quarter = camera.orbited(90.0);
     assert_eq!((quarter.position, quarter.look_at), (DVec3::new(5.0, 1.0, 0.0), camera.look_at));
 }
+
+/// Several rays at once are what each is by itself: every projection, with and without a lens, standing and moving.
+#[test]
+fn rays_are_those_of_their_lanes() {
+    let number = |i: usize, k: usize| ((i * 7 + k * 3) as f32 * 0.618_034).fract();
+    let numbers = |k: usize| -> [f32; 16] { std::array::from_fn(|i| number(i, k)) };
+    for projection in [Projection::Perspective, Projection::Orthographic, Projection::Panorama] {
+        for radius in [0.0, 0.2] {
+            for moves in [false, true] {
+                let mut spec = spec(projection, CameraSpec::fov_window(40.0, [300, 200]));
+                spec.aperture = Aperture::disk(radius);
+                if moves {
+                    let pose = |time: f64| Pose::new(DVec3::ONE, None, DVec3::X * time);
+                    spec.motion = Some(Motion::new(&[(0.0, pose(0.0)), (1.0, pose(1.0))]).unwrap().into());
+                    spec.shutter = [0.0, 1.0];
+                }
+                let camera = Camera::new(&spec, DVec3::ZERO).unwrap();
+                let (x, y, lens, time) = (numbers(0), numbers(1), [numbers(2), numbers(3)], numbers(4));
+                let [o, d] = camera.rays([&x, &y], &lens, &time);
+                for i in 0..16 {
+                    let ray = camera.ray(x[i], y[i], [lens[0][i], lens[1][i]], time[i]);
+                    assert_eq!((o.get(i), d.get(i)), (ray.o, ray.d), "{projection:?} {radius} {moves}");
+                }
+            }
+        }
+    }
+}

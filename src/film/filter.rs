@@ -214,11 +214,23 @@ impl FilterSampler {
         (self.filter.profile(f64::from(x)) * self.width_over_integral) as f32
     }
 
+    /// True of the box, whose offsets are [`FilterSampler::linear`].
+    #[inline(always)]
+    pub fn is_box(&self) -> bool {
+        self.inverse.is_empty()
+    }
+
+    /// `u` in [0, 1) over the support.
+    #[inline(always)]
+    pub fn linear(&self, u: f32) -> f32 {
+        (2.0 * u - 1.0) * self.radius
+    }
+
     /// The 1-D offset for `u` in [0, 1).
     #[inline(always)]
     pub fn offset(&self, u: f32) -> f32 {
-        if self.inverse.is_empty() {
-            return (2.0 * u - 1.0) * self.radius;
+        if self.is_box() {
+            return self.linear(u);
         }
         let x = u * Self::STEPS as f32;
         let i = (x as usize).min(Self::STEPS - 1);

@@ -195,6 +195,26 @@ impl PixelPoints {
         }
     }
 
+    /// [`PixelPoints::point`] of several samples: offsets, and weights.
+    #[inline(always)]
+    pub fn points<const N: usize>(&self, indices: &[u32; N], u: &[[f32; N]; 2]) -> ([[f32; N]; 2], [f32; N]) {
+        let (mut offsets, mut weights) = ([[0.0; N]; 2], [self.scale; N]);
+        if matches!(self.rule, PixelRule::Sampler | PixelRule::Importance) && self.filter.is_box() {
+            for (offsets, u) in offsets.iter_mut().zip(u) {
+                for (offset, u) in offsets.iter_mut().zip(u) {
+                    *offset = self.filter.linear(*u);
+                }
+            }
+            return (offsets, weights);
+        }
+        for lane in 0..N {
+            let point = self.point(indices[lane], [u[0][lane], u[1][lane]]);
+            [offsets[0][lane], offsets[1][lane]] = point.offset;
+            weights[lane] = point.weight;
+        }
+        (offsets, weights)
+    }
+
     /// The point at `u` drawn from the filter, which counts 1, or −1 where the filter is negative.
     #[inline(always)]
     fn drawn(&self, u: [f32; 2]) -> PixelPoint {

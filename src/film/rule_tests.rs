@@ -113,3 +113,21 @@ fn grids_under_a_signed_filter_keep_constants() {
     let mitchell = FilterSampler::new(Filter::from_name("mitchell").unwrap());
     assert!(PixelPoints::new(corner, mitchell).is_err());
 }
+
+/// Several points at once are what each is by itself.
+#[test]
+fn points_are_those_of_their_lanes() {
+    for (name, rule) in PixelRule::TABLE.iter().map(|row| (row.0, row.2)) {
+        for (filter, _) in Filter::NAMES {
+            let points = points(rule.over(Grid { cells: [3, 2], per_cell: 1 }), filter);
+            let indices: [u32; 16] = std::array::from_fn(|i| 3 * i as u32);
+            let us = [0, 1].map(|k| indices.map(|i| u(i)[k]));
+            let (offsets, weights) = points.points(&indices, &us);
+            for lane in 0..16 {
+                let one = points.point(indices[lane], [us[0][lane], us[1][lane]]);
+                assert_eq!([offsets[0][lane], offsets[1][lane]], one.offset, "{name} {filter}");
+                assert_eq!(weights[lane], one.weight, "{name} {filter}");
+            }
+        }
+    }
+}

@@ -6,7 +6,7 @@
 use super::wave::{BatchSink, PathSink};
 use super::{Arrival, Facing, Vertex};
 use crate::accel::{LANES, Mask, lanes_of};
-use crate::bsdf::View;
+use crate::bsdf::{Scatter, View};
 use crate::math::{Frame, Vec3s};
 use crate::sampler::{Keys, Part};
 use crate::shape::Surfaces;
@@ -56,6 +56,14 @@ pub struct Batch<B> {
     pub keys: Keys<LANES>,
     /// Which sample of the wave each is of.
     pub slot: [u32; LANES],
+}
+
+impl<B: Scatter> Batch<B> {
+    /// See [`Scatter::is_small`].
+    #[inline(always)]
+    pub fn is_small(&self) -> bool {
+        self.bsdf.iter().all(B::is_small)
+    }
 }
 
 impl<B> Batch<B> {

@@ -55,12 +55,28 @@ impl Lanes {
     #[inline(always)]
     pub fn follow_all(&mut self, lanes: Mask, all: &Extensions<'_>) {
         self.make_room();
+        if lanes == Mask::MAX && self.len.is_multiple_of(LANES) {
+            return self.follow_chunk(all);
+        }
         for from in lanes_of(lanes) {
             let ray = Ray { o: all.o.get(from), d: all.d.get(from), tmax: f32::INFINITY };
             let (path, lane) = self.put(ray, all.beta.get(from), all.slot[from]);
             (path.pdf[lane], path.normal[lane]) = (all.pdf[from], all.normal[from]);
             path.branch[lane] = all.branch[from];
         }
+    }
+
+    /// A whole chunk of rays, where one begins.
+    #[inline(always)]
+    fn follow_chunk(&mut self, all: &Extensions<'_>) {
+        let chunk = self.len / LANES;
+        self.len += LANES;
+        let Extensions { o, d, .. } = all;
+        let (tmin, tmax) = ([0.0; LANES], [f32::INFINITY; LANES]);
+        self.rays[chunk] = Rays { ox: o.x, oy: o.y, oz: o.z, tmin, dx: d.x, dy: d.y, dz: d.z, tmax };
+        let beta = [all.beta.x, all.beta.y, all.beta.z];
+        let (pdf, normal, slot, branch) = (all.pdf, *all.normal, *all.slot, *all.branch);
+        self.paths[chunk] = Paths { beta, pdf, normal, slot, branch };
     }
 
     /// The shadow rays `lanes` of `lights`, with the radiance that they let through.
@@ -224,5 +240,31 @@ mod tests {
         assert!((0..8).all(|octant| all.iter().any(|(of, _)| *of == octant)));
         let shared = sorted.chunks().filter(|(chunk, lanes)| sorted.share_an_octant(*chunk, *lanes));
         assert!(shared.count() < 7 && !lanes.share_an_octant(0, 3));
+    }
+
+    /// Chunks that are followed as a whole, and parts of them, arrive lane by lane in their order.
+    #[test]
+    fn whole_chunks_are_their_lanes() {
+        let numbers: [u32; LANES] = std::array::from_fn(|i| i as u32);
+        let of = |k: f32| numbers.map(|i| i as f32 + k);
+        let vectors = |k: f32| Vec3s { x: of(k), y: of(k + 1.0), z: of(k + 2.0) };
+        let (normal, slot) = (numbers.map(|i| i + 300), numbers.map(|i| i + 500));
+        let (o, d, beta, pdf) = (vectors(10.0), vectors(20.0), vectors(30.0), of(0.5));
+        let all = Extensions { o, d, beta, pdf, branch: &numbers, normal: &normal, slot: &slot };
+        for masks in [[Mask::MAX, Mask::MAX, 0b101], [0b110, Mask::MAX, Mask::MAX]] {
+            let mut lanes = Lanes::default();
+            masks.into_iter().for_each(|mask| lanes.follow_all(mask, &all));
+            let expected: Vec<usize> = masks.into_iter().flat_map(lanes_of).collect();
+            assert_eq!(lanes.len, expected.len());
+            for (at, from) in expected.into_iter().enumerate() {
+                let (chunk, lane) = (at / LANES, at % LANES);
+                let (rays, path) = (&lanes.rays[chunk], &lanes.paths[chunk]);
+                assert_eq!((rays.o(lane), rays.d(lane)), (o.get(from), d.get(from)));
+                assert_eq!((rays.tmin[lane], rays.tmax[lane]), (0.0, f32::INFINITY));
+                assert_eq!(lanes.beta(chunk, lane), beta.get(from));
+                assert_eq!((path.pdf[lane], path.branch[lane]), (pdf[from], numbers[from]));
+                assert_eq!((path.normal[lane], path.slot[lane]), (normal[from], slot[from]));
+            }
+        }
     }
 }

@@ -204,7 +204,10 @@ fn connect<B: Scatter>(
     share: f32,
     out: &mut impl Sink,
 ) {
-    if let (radiance, true) = brought(lights, &v.facing(), bsdf, light, share) {
+    let facing = v.facing();
+    let wi = facing.frame.to_local(light.wi);
+    let found = bsdf.eval(&facing.view, wi);
+    if let (radiance, true) = brought(lights, &facing, (wi, found), light, share) {
         out.connect(light.shadow, radiance);
     }
 }
@@ -212,15 +215,13 @@ fn connect<B: Scatter>(
 /// What the light sample brings if nothing is in its way, weighted against the chance that BSDF sampling finds the same; of
 /// use if the second is true.
 #[inline(always)]
-fn brought<B: Scatter>(
+fn brought(
     lights: LightSampling,
     v: &Facing,
-    bsdf: &B,
+    (wi, (f_cos, bsdf_pdf)): (Vec3, (Rgb, f32)),
     light: &LightSample,
     share: f32,
 ) -> (Rgb, bool) {
-    let wi = v.frame.to_local(light.wi);
-    let (f_cos, bsdf_pdf) = bsdf.eval(&v.view, wi);
     // A delta light has an infinite density: nothing else finds it. No `match`: a loop with one stays scalar.
     let alone = matches!(lights, LightSampling::Light) | (light.pdf == f32::INFINITY);
     let combined = mis::power(light.pdf, bsdf_pdf);

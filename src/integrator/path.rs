@@ -128,9 +128,12 @@ impl Path {
         let lights = cx.lights.sample_all(&batch.surface, &branch.normals, &choices, &batch.time, &u, rough);
         let mut radiance = Vec3s::ZERO;
         let mut arrives = [false; LANES];
-        if B::is_small() {
+        if batch.is_small() {
             for (lane, arrives) in arrives.iter_mut().enumerate() {
-                let (brought, some) = self.brought(batch, branch, lane, &lights.get(lane));
+                let (facing, light) = (batch.facing(lane), lights.get(lane));
+                let wi = facing.frame.to_local(light.wi);
+                let found = batch.bsdf[lane].eval_small(&facing.view, wi);
+                let (brought, some) = brought(self.lights, &facing, (wi, found), &light, branch.share);
                 *arrives = some;
                 radiance.set(lane, brought);
             }
@@ -154,7 +157,9 @@ impl Path {
         lane: usize,
         light: &LightSample,
     ) -> (Rgb, bool) {
-        brought(self.lights, &batch.facing(lane), &batch.bsdf[lane], light, branch.share)
+        let facing = batch.facing(lane);
+        let wi = facing.frame.to_local(light.wi);
+        brought(self.lights, &facing, (wi, batch.bsdf[lane].eval(&facing.view, wi)), light, branch.share)
     }
 
     /// Follows the lanes `alive`: the hemisphere integral of eq. (1) by importance sampling, eq. (20), with the BSDF's
@@ -173,13 +178,19 @@ impl Path {
         let lobe = if cx.has_lobes { cx.sampler.d1_of(&branch.keys, dimensions.lobe) } else { [0.0; LANES] };
         let mut next = Extensions::new(&batch.slot, &branch.numbers, &branch.normals);
         let mut goes_on = [false; LANES];
-        if B::is_small() {
+        if batch.is_small() {
             for lane in 0..LANES {
-                goes_on[lane] = next.sample(batch, lane, [u[0][lane], u[1][lane]], lobe[lane], branch.share);
+                let facing = batch.facing(lane);
+                let (sample, some) = batch.bsdf[lane].sample_small(&facing.view, [u[0][lane], u[1][lane]]);
+                goes_on[lane] = some & next.set(lane, &facing, &sample, branch.share);
             }
         } else {
             for lane in lanes_of(alive) {
-                goes_on[lane] = next.sample(batch, lane, [u[0][lane], u[1][lane]], lobe[lane], branch.share);
+                let facing = batch.facing(lane);
+                let u = [u[0][lane], u[1][lane]];
+                if let Some(sample) = batch.bsdf[lane].sample(&facing.view, u, lobe[lane]) {
+                    goes_on[lane] = next.set(lane, &facing, &sample, branch.share);
+                }
             }
         }
         alive &= mask(&goes_on);

@@ -8,17 +8,18 @@
 mod first;
 mod gather;
 mod pushed;
+mod start;
 
 use super::cutout;
 use super::lanes::{Lanes, Paths};
-use super::{Arrival, Context, Extension, Integrator, RenderStats};
+use super::{Arrival, Context, Integrator, RenderStats};
 use crate::accel::{Checked, Coherence, Hits, Intersector, LANES, MISS, Mask, lanes_of};
 use crate::bsdf::{Bsdf, Material, Scatter};
-use crate::film::{Film, Tile};
-use crate::light::{End, Receiver, sphere};
-use crate::math::{DVec3, Rgb};
+use crate::film::Tile;
+use crate::light::{End, sphere};
+use crate::math::DVec3;
 use crate::sampler::Part;
-use first::{camera_ray, first_hit, first_hit_of_lamp, time};
+use first::{first_hit, first_hit_of_lamp};
 use gather::{Traced, batch};
 pub use pushed::{BatchSink, Extensions, PathSink};
 use pushed::{Pushed, Slot};
@@ -131,31 +132,6 @@ impl Wave {
             self.waiting.push((depth, rest));
         }
         Some(depth)
-    }
-
-    /// Camera rays: all samples of a pixel side by side, so that a packet is as coherent as can be.
-    #[inline(always)]
-    fn start<I: Integrator>(&mut self, job: &Job<'_, I>) {
-        let cx = job.cx;
-        let Pushed { next, slots, .. } = &mut self.pushed;
-        slots.clear();
-        for pixel in 0..Film::TILE * Film::TILE {
-            let x = job.tile[0] * Film::TILE + pixel % Film::TILE;
-            let y = job.tile[1] * Film::TILE + pixel / Film::TILE;
-            if x >= cx.size[0] || y >= cx.size[1] {
-                continue;
-            }
-            for index in job.samples.clone() {
-                let key = cx.sampler.key(y * cx.size[0] + x, index);
-                let time = time(cx, key);
-                let (ray, weight) = camera_ray(cx, x, y, key, time);
-                let weight = weight * job.part.weight;
-                let (pdf, normal) = (f32::INFINITY, Receiver::ALL_AROUND);
-                let first = Extension { o: ray.o, d: ray.d, beta: Rgb::ONE, pdf, normal, branch: 0 };
-                next.follow(first, slots.len() as u32);
-                slots.push(Slot { key, pixel, weight, time, radiance: DVec3::ZERO });
-            }
-        }
     }
 
     #[inline(always)]

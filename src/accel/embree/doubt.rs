@@ -11,6 +11,7 @@
 
 use crate::accel::{Hits, LANES, MISS, Mask, Rays};
 use crate::math::Vec3;
+use crate::math::soa::mask;
 
 /// |d·(e×f)| of each lane's hit.
 pub(super) type Areas = [f32; LANES];
@@ -25,15 +26,19 @@ pub(super) fn longest_edge([a, b, c]: [Vec3; 3]) -> f32 {
 }
 
 /// The active lanes that hit something and are not clear of all edges; `longest` holds a length a mesh.
-#[inline]
+#[inline(always)]
 pub(super) fn doubtful(rays: &Rays, active: Mask, hits: &Hits, areas: &Areas, longest: &[f32]) -> Mask {
-    let longest: [f32; LANES] = std::array::from_fn(|lane| {
-        // Rounded up; a miss has no mesh.
-        longest.get(hits.mesh[lane] as usize).map_or(0.0, |l| l * (1.0 + 4.0 * f32::EPSILON))
-    });
-    let mut doubtful = 0;
+    let mut lengths = [0.0; LANES];
+    for (lane, length) in lengths.iter_mut().enumerate() {
+        // A miss has no mesh.
+        if let Some(longest) = longest.get(hits.mesh[lane] as usize) {
+            *length = *longest;
+        }
+    }
+    let mut doubtful = [false; LANES];
     for lane in 0..LANES {
-        let (u, v, length) = (hits.u[lane], hits.v[lane], longest[lane]);
+        // Rounded up.
+        let (u, v, length) = (hits.u[lane], hits.v[lane], lengths[lane] * (1.0 + 4.0 * f32::EPSILON));
         let least = u.min(v).min(1.0 - u - v).max(0.0);
         let [x, y, z] = [rays.dx[lane], rays.dy[lane], rays.dz[lane]];
         let (d, largest) = ((x * x + y * y + z * z).sqrt(), x.abs().max(y.abs()).max(z.abs()));
@@ -41,7 +46,7 @@ pub(super) fn doubtful(rays: &Rays, active: Mask, hits: &Hits, areas: &Areas, lo
         let margin = ROUNDINGS * d * (hits.t[lane] * largest + length) * length;
         // What overflowed or lost its digits says nothing.
         let clear = (inside > margin) & (inside < f32::INFINITY) & (margin >= f32::MIN_POSITIVE);
-        doubtful |= Mask::from(!clear & (hits.mesh[lane] != MISS)) << lane;
+        doubtful[lane] = !clear & (hits.mesh[lane] != MISS);
     }
-    doubtful & active
+    mask(&doubtful) & active
 }

@@ -20,6 +20,7 @@
 
 mod aside;
 pub mod bare;
+mod chunk;
 mod device;
 mod doubt;
 mod merged;
@@ -36,7 +37,7 @@ mod guard;
 mod tests;
 
 use super::settle::{Triangles, in_doubt, settle};
-use super::{BuildOptions, Checked, Coherence, Hits, Intersector, LANES, Mask, Quality, Rays, cancelled};
+use super::{BuildOptions, Checked, Coherence, Hits, Intersector, Mask, Quality, Rays, cancelled};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::math::isa::Isa;
@@ -44,7 +45,6 @@ use crate::memory::{self, Limit};
 use crate::shape::Mesh;
 use aside::Aside;
 use device::Device;
-use doubt::Areas;
 use merged::Merged;
 use scene::Scene;
 use shared::Shared;
@@ -68,6 +68,8 @@ pub struct Embree {
     few: bool,
     width: Width,
     isa: &'static str,
+    /// What the code around Embree's is compiled for.
+    set: Isa,
 }
 
 /// The buffers that the scene reads for as long as it lives.
@@ -149,47 +151,8 @@ impl Embree {
             few: meshes.iter().map(|mesh| mesh.indices.len()).sum::<usize>() <= FEW_TRIANGLES,
             width,
             isa,
+            set: options.isa.unwrap_or_else(Isa::best),
         })
-    }
-}
-
-impl Embree {
-    /// Embree's own answers, with the meshes' names, and what Embree says of the triangles' areas.
-    #[inline(always)]
-    fn trace_scene(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) -> Areas {
-        let areas = trace::closest(&self.scene, self.width, rays, coherence, hits);
-        if let Geometry::Merged(merged) = &self.geometry {
-            merged.name_hits(rays.active(), hits);
-        }
-        areas
-    }
-
-    /// The answers that are not settled, and which of them to look at again.
-    #[inline(always)]
-    fn trace(&self, rays: Checked<'_>, coherence: Coherence, hits: &mut Hits) -> Mask {
-        let Some(aside) = &self.aside else {
-            let areas = self.trace_scene(rays, coherence, hits);
-            return doubt::doubtful(rays.rays(), rays.active(), hits, &areas, &self.longest);
-        };
-        let [in_doubt, left] = aside.closest(rays, hits);
-        if left == 0 {
-            return in_doubt;
-        }
-        let mut of_scene = Hits::default();
-        let areas = self.trace_scene(rays.only(left), coherence, &mut of_scene);
-        let mut nearer = 0;
-        for lane in 0..LANES {
-            // A miss is at an infinite distance and has the highest of names, as has a lane that is not asked for.
-            let (t, mesh) = (of_scene.t[lane], of_scene.mesh[lane]);
-            let is = (t < hits.t[lane]) | ((t == hits.t[lane]) & (mesh < hits.mesh[lane]));
-            nearer |= Mask::from(is) << lane;
-            hits.t[lane] = if is { t } else { hits.t[lane] };
-            hits.u[lane] = if is { of_scene.u[lane] } else { hits.u[lane] };
-            hits.v[lane] = if is { of_scene.v[lane] } else { hits.v[lane] };
-            hits.mesh[lane] = if is { mesh } else { hits.mesh[lane] };
-            hits.triangle[lane] = if is { of_scene.triangle[lane] } else { hits.triangle[lane] };
-        }
-        in_doubt & !nearer | doubt::doubtful(rays.rays(), nearer, hits, &areas, &self.longest)
     }
 }
 
@@ -204,11 +167,7 @@ impl Intersector for Embree {
     }
 
     fn occluded(&self, rays: Checked<'_>, _: Coherence) -> Mask {
-        let [hit, left] = self.aside.as_ref().map_or([0, !0], |aside| aside.occluded(rays));
-        match rays.only(left) {
-            rays if rays.active() == 0 => hit,
-            rays => hit | trace::occluded(&self.scene, self.width, rays),
-        }
+        self.any(rays)
     }
 
     fn gains_from_octants(&self) -> bool {

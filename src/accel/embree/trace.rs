@@ -87,7 +87,7 @@ impl Width {
 }
 
 /// Closest hits of the active lanes, and the areas of what was hit.
-#[inline]
+#[inline(always)]
 pub(super) fn closest(
     scene: &Scene,
     width: Width,
@@ -99,13 +99,13 @@ pub(super) fn closest(
 }
 
 /// The active lanes that hit anything.
-#[inline]
+#[inline(always)]
 pub(super) fn occluded(scene: &Scene, width: Width, rays: Checked<'_>) -> Mask {
     occluded_by(Way::for_occluded(width, rays.active()), scene, width, rays)
 }
 
 /// Closest hits of the active lanes by the way that is named.
-#[inline]
+#[inline(always)]
 pub(super) fn closest_by(way: Way, scene: &Scene, width: Width, rays: Checked<'_>, hits: &mut Hits) -> Areas {
     let (rays, active, coherent) = (rays.rays(), rays.active(), way == Way::CoherentPacket);
     let mut areas = [0.0; LANES];
@@ -117,14 +117,22 @@ pub(super) fn closest_by(way: Way, scene: &Scene, width: Width, rays: Checked<'_
             }
         }
         Width::Sixteen => closest16(scene, rays, active, 0, coherent, to),
-        Width::Eight => for_parts::<8>(active, |at| closest8(scene, rays, active, at, coherent, to)),
-        Width::Four => for_parts::<4>(active, |at| closest4(scene, rays, active, at, coherent, to)),
+        Width::Eight => {
+            for at in parts::<8>(active) {
+                closest8(scene, rays, active, at, coherent, to);
+            }
+        }
+        Width::Four => {
+            for at in parts::<4>(active) {
+                closest4(scene, rays, active, at, coherent, to);
+            }
+        }
     }
     areas
 }
 
 /// The active lanes that hit anything, by the way that is named.
-#[inline]
+#[inline(always)]
 pub(super) fn occluded_by(way: Way, scene: &Scene, width: Width, rays: Checked<'_>) -> Mask {
     let (rays, active, coherent) = (rays.rays(), rays.active(), way == Way::CoherentPacket);
     let mut hit = 0;
@@ -135,20 +143,24 @@ pub(super) fn occluded_by(way: Way, scene: &Scene, width: Width, rays: Checked<'
             }
         }
         Width::Sixteen => hit = occluded16(scene, rays, active, 0, coherent),
-        Width::Eight => for_parts::<8>(active, |at| hit |= occluded8(scene, rays, active, at, coherent)),
-        Width::Four => for_parts::<4>(active, |at| hit |= occluded4(scene, rays, active, at, coherent)),
+        Width::Eight => {
+            for at in parts::<8>(active) {
+                hit |= occluded8(scene, rays, active, at, coherent);
+            }
+        }
+        Width::Four => {
+            for at in parts::<4>(active) {
+                hit |= occluded4(scene, rays, active, at, coherent);
+            }
+        }
     }
     hit
 }
 
-/// Calls `part` with the first lane of each group of `N` that has an active one.
-#[inline]
-fn for_parts<const N: usize>(active: Mask, mut part: impl FnMut(usize)) {
-    for at in (0..LANES).step_by(N) {
-        if active >> at & (((1u32 << N) - 1) as Mask) != 0 {
-            part(at);
-        }
-    }
+/// The first lane of each group of `N` that has an active one.
+#[inline(always)]
+fn parts<const N: usize>(active: Mask) -> impl Iterator<Item = usize> {
+    (0..LANES).step_by(N).filter(move |at| active >> at & (((1u32 << N) - 1) as Mask) != 0)
 }
 
 pub(super) fn ray(rays: &Rays, lane: usize) -> sys::RTCRay {
@@ -239,6 +251,7 @@ macro_rules! packets {
             valid
         }
 
+        #[inline(always)]
         fn $closest(scene: &Scene, rays: &Rays, active: Mask, at: usize, coherent: bool, to: &mut To<'_>) {
             let (hits, areas) = to;
             let mut packet = sys::$RayHitN::default();
@@ -264,6 +277,7 @@ macro_rules! packets {
             }
         }
 
+        #[inline(always)]
         fn $any(scene: &Scene, rays: &Rays, active: Mask, at: usize, coherent: bool) -> Mask {
             let mut packet = sys::$RayN::default();
             let valid = Valid($rays(rays, active, at, &mut packet));

@@ -108,7 +108,8 @@ impl Bytes {
             return Err(item.error("is compressed with meshopt").advise(super::DECODE_FIRST));
         }
         let buffer = item.size("buffer", None)?;
-        let buffer = document.buffers.get(buffer).ok_or_else(|| item.error("names a buffer that does not exist"))?;
+        let buffer =
+            document.buffers.get(buffer).ok_or_else(|| item.error("names a buffer that does not exist"))?;
         let (first, length) = (item.size("byteOffset", Some(0))?, item.size("byteLength", None)?);
         if first.checked_add(length).is_none_or(|end| end > buffer.len()) {
             return Err(item.error("does not fit into its buffer"));

@@ -238,10 +238,8 @@ fn counts_that_lie_are_refused_before_anything_is_allocated() {
     let mut document = square();
     document["accessors"][1] = json!({ "componentType": 5126, "count": 5000, "type": "VEC2" });
     assert!(read(&document).is_err_and(|error| error.to_string().contains("of no bytes")));
-    document["buffers"][1] = json!({
-        "byteLength": 5000,
-        "uri": format!("data:;base64,{}", base64(&[0; 5000])),
-    });
+    let uri = format!("data:;base64,{}", base64(&[0; 5000]));
+    document["buffers"].as_array_mut().unwrap().push(json!({ "byteLength": 5000, "uri": uri }));
     assert_eq!(read(&document).unwrap().mesh.indices.len(), 2);
     let error = |patch: Value| read(&with(square(), patch)).unwrap_err().to_string();
     let huge = json!({ "bufferViews": [{ "buffer": 0, "byteOffset": u64::MAX, "byteLength": 48 }] });
