@@ -15,6 +15,7 @@
 //! | to find … | open |
 //! |---|---|
 //! | what happens at a path's vertices | [`integrator`], `path.rs`: in the order of the rendering equation, sixteen lanes at a time; one alone: `distribution.rs` |
+//! | where camera rays are made | [`integrator`], `wave/start.rs`; of points by [`film::rule`] and [`camera`] |
 //! | how hits become such lanes | [`integrator`], `batch.rs` and `wave/gather.rs` |
 //! | how paths are kept in flight | [`integrator::wave`]: lanes, chunks of 16, compaction; it knows no physics |
 //! | how a hit becomes a point with normals and an error bound | [`shape::Surface`] |

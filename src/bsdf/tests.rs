@@ -63,8 +63,9 @@ fn rough_models(roughness: f32, all: &mut Vec<Model>) {
     let white = Reflectance::Constant(Rgb::ONE);
     add("conductor", "gold", Box::new(Conductor::new(index, alpha, false)), 1.0);
     add("conductor", "white", Box::new(Conductor::new(white, alpha, true)), 1.0);
-    let grey = Reflectance::Constant(Rgb::splat(0.7));
-    add("conductor", "single scattering", Box::new(Conductor::new(grey, alpha, false)), 1.0);
+    let mut grey = Conductor::new(Reflectance::Constant(Rgb::splat(0.7)), alpha, false);
+    grey.set(Parameter::Anisotropy, Rgb::splat(0.4));
+    add("conductor", "single scattering, brushed", Box::new(grey), 1.0);
     for grain in [0.8, -0.5] {
         let mut metal = Conductor::new(white, alpha, true);
         metal.set(Parameter::Anisotropy, Rgb::splat(grain));

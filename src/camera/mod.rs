@@ -220,6 +220,7 @@ impl Camera {
         time: &[f32; N],
     ) -> [Vec3s<N>; 2] {
         let [mut o, mut d] = [Vec3s::ZERO; 2];
+        // By itself, so that the usual case is a loop without branches.
         if matches!(self.projection, Projection::Perspective) && !self.has_lens() && self.moving.is_none() {
             for lane in 0..N {
                 let (alpha, beta) = self.on_window(x[lane], y[lane]);

@@ -208,7 +208,7 @@ impl FilterSampler {
     /// to the filter.
     #[inline]
     pub fn density(&self, x: f32) -> f32 {
-        if self.inverse.is_empty() {
+        if self.is_box() {
             return 1.0;
         }
         (self.filter.profile(f64::from(x)) * self.width_over_integral) as f32

@@ -199,6 +199,7 @@ impl PixelPoints {
     #[inline(always)]
     pub fn points<const N: usize>(&self, indices: &[u32; N], u: &[[f32; N]; 2]) -> ([[f32; N]; 2], [f32; N]) {
         let (mut offsets, mut weights) = ([[0.0; N]; 2], [self.scale; N]);
+        // By itself, so that the usual case is a loop without branches.
         if matches!(self.rule, PixelRule::Sampler | PixelRule::Importance) && self.filter.is_box() {
             for (offsets, u) in offsets.iter_mut().zip(u) {
                 for (offset, u) in offsets.iter_mut().zip(u) {

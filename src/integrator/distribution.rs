@@ -105,16 +105,19 @@ impl Distribution {
             connect(self.lights, v, bsdf, &light, 1.0, out);
         }
         let dimensions = cx.dimensions.at(v.arrival.depth);
+        if self.importance {
+            for k in 0..fan.count() {
+                let (branch, key) = self.branch(v, fan.count(), k);
+                self.importance(cx, v, bsdf, branch, key, out);
+            }
+            return;
+        }
         for k in 0..fan.count() {
             let (branch, key) = self.branch(v, fan.count(), k);
-            if self.importance {
-                self.importance(cx, v, bsdf, branch, key, out);
-            } else {
-                let (wi, solid_angle) = fan.direction(k, self.numbers.d2(key, dimensions.bsdf));
-                shade(v, bsdf, wi, solid_angle, branch, out);
-                if bsdf.transmits() {
-                    shade(v, bsdf, Vec3::new(wi.x, wi.y, -wi.z), solid_angle, scatter(branch), out);
-                }
+            let (wi, solid_angle) = fan.direction(k, self.numbers.d2(key, dimensions.bsdf));
+            shade(v, bsdf, wi, solid_angle, branch, out);
+            if bsdf.transmits() {
+                shade(v, bsdf, Vec3::new(wi.x, wi.y, -wi.z), solid_angle, scatter(branch), out);
             }
         }
     }

@@ -204,24 +204,23 @@ fn connect<B: Scatter>(
     share: f32,
     out: &mut impl Sink,
 ) {
-    let facing = v.facing();
-    let wi = facing.frame.to_local(light.wi);
-    let found = bsdf.eval(&facing.view, wi);
-    if let (radiance, true) = brought(lights, &facing, (wi, found), light, share) {
+    if let (radiance, true) = brought::<B, false>(lights, &v.facing(), bsdf, light, share) {
         out.connect(light.shadow, radiance);
     }
 }
 
 /// What the light sample brings if nothing is in its way, weighted against the chance that BSDF sampling finds the same; of
-/// use if the second is true.
+/// use if the second is true. `SMALL`: [`Scatter::is_small`] holds.
 #[inline(always)]
-fn brought(
+fn brought<B: Scatter, const SMALL: bool>(
     lights: LightSampling,
     v: &Facing,
-    (wi, (f_cos, bsdf_pdf)): (Vec3, (Rgb, f32)),
+    bsdf: &B,
     light: &LightSample,
     share: f32,
 ) -> (Rgb, bool) {
+    let wi = v.frame.to_local(light.wi);
+    let (f_cos, bsdf_pdf) = if SMALL { bsdf.eval_small(&v.view, wi) } else { bsdf.eval(&v.view, wi) };
     // A delta light has an infinite density: nothing else finds it. No `match`: a loop with one stays scalar.
     let alone = matches!(lights, LightSampling::Light) | (light.pdf == f32::INFINITY);
     let combined = mis::power(light.pdf, bsdf_pdf);

@@ -130,16 +130,13 @@ impl Path {
         let mut arrives = [false; LANES];
         if batch.is_small() {
             for (lane, arrives) in arrives.iter_mut().enumerate() {
-                let (facing, light) = (batch.facing(lane), lights.get(lane));
-                let wi = facing.frame.to_local(light.wi);
-                let found = batch.bsdf[lane].eval_small(&facing.view, wi);
-                let (brought, some) = brought(self.lights, &facing, (wi, found), &light, branch.share);
+                let (brought, some) = self.brought::<B, true>(batch, branch, lane, &lights.get(lane));
                 *arrives = some;
                 radiance.set(lane, brought);
             }
         } else {
             for lane in lanes_of(lights.lanes) {
-                let (brought, some) = self.brought(batch, branch, lane, &lights.get(lane));
+                let (brought, some) = self.brought::<B, false>(batch, branch, lane, &lights.get(lane));
                 arrives[lane] = some;
                 radiance.set(lane, brought);
             }
@@ -150,16 +147,14 @@ impl Path {
 
     /// What a lane's light sample brings, if the second is true.
     #[inline(always)]
-    fn brought<B: Scatter>(
+    fn brought<B: Scatter, const SMALL: bool>(
         &self,
         batch: &Batch<B>,
         branch: &Branch,
         lane: usize,
         light: &LightSample,
     ) -> (Rgb, bool) {
-        let facing = batch.facing(lane);
-        let wi = facing.frame.to_local(light.wi);
-        brought(self.lights, &facing, (wi, batch.bsdf[lane].eval(&facing.view, wi)), light, branch.share)
+        brought::<B, SMALL>(self.lights, &batch.facing(lane), &batch.bsdf[lane], light, branch.share)
     }
 
     /// Follows the lanes `alive`: the hemisphere integral of eq. (1) by importance sampling, eq. (20), with the BSDF's
@@ -180,17 +175,13 @@ impl Path {
         let mut goes_on = [false; LANES];
         if batch.is_small() {
             for lane in 0..LANES {
-                let facing = batch.facing(lane);
-                let (sample, some) = batch.bsdf[lane].sample_small(&facing.view, [u[0][lane], u[1][lane]]);
-                goes_on[lane] = some & next.set(lane, &facing, &sample, branch.share);
+                let u = [u[0][lane], u[1][lane]];
+                goes_on[lane] = next.sample::<B, true>(batch, lane, u, lobe[lane], branch.share);
             }
         } else {
             for lane in lanes_of(alive) {
-                let facing = batch.facing(lane);
                 let u = [u[0][lane], u[1][lane]];
-                if let Some(sample) = batch.bsdf[lane].sample(&facing.view, u, lobe[lane]) {
-                    goes_on[lane] = next.set(lane, &facing, &sample, branch.share);
-                }
+                goes_on[lane] = next.sample::<B, false>(batch, lane, u, lobe[lane], branch.share);
             }
         }
         alive &= mask(&goes_on);

@@ -1,9 +1,9 @@
 //! What the vertices of a wave push: the next rays, the shadow rays, and radiance for the samples.
 
 use crate::accel::{LANES, Mask};
-use crate::bsdf::Sample;
+use crate::bsdf::Scatter;
 use crate::integrator::lanes::Lanes;
-use crate::integrator::{Extension, Facing, Sink};
+use crate::integrator::{Batch, Extension, Sink};
 use crate::light::LightSamples;
 use crate::math::ray::Ray;
 use crate::math::{DVec3, Rgb, Vec3s};
@@ -87,15 +87,29 @@ impl<'a> Extensions<'a> {
         Extensions { o: zero, d: zero, beta: zero, pdf: [0.0; LANES], branch, normal, slot }
     }
 
-    /// Sets a lane's direction, throughput (of which `share` goes there) and density. False when it would go through
-    /// the surface.
+    /// Sets a lane's direction, throughput (of which `share` goes there) and density by the BSDF's sample. False when there is
+    /// none, or it would go through the surface. `SMALL`: [`Scatter::is_small`] holds.
     #[inline(always)]
-    pub fn set(&mut self, lane: usize, facing: &Facing, sample: &Sample, share: f32) -> bool {
+    pub fn sample<B: Scatter, const SMALL: bool>(
+        &mut self,
+        batch: &Batch<B>,
+        lane: usize,
+        u: [f32; 2],
+        lobe: f32,
+        share: f32,
+    ) -> bool {
+        let facing = batch.facing(lane);
+        let (sample, some) = if SMALL {
+            batch.bsdf[lane].sample_small(&facing.view, u)
+        } else {
+            let Some(sample) = batch.bsdf[lane].sample(&facing.view, u, lobe) else { return false };
+            (sample, true)
+        };
         let wi = facing.frame.to_world(sample.wi);
         self.d.set(lane, wi);
         self.beta.set(lane, facing.beta * (sample.weight * share));
         self.pdf[lane] = sample.pdf;
-        facing.on_the_same_side_as(sample.wi, wi)
+        some & facing.on_the_same_side_as(sample.wi, wi)
     }
 }
 

@@ -7,8 +7,8 @@ use crate::error::Result;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Elements of an accessor without bytes are zeros: no more than this, or than the document's buffers have bytes if
-/// that is more (a sparse one's elements have others with bytes beside them), so that a short file takes little time.
+/// Elements of an accessor without bytes are zeros: no more than this, or than the longest buffer has bytes if that is
+/// more (a sparse one's elements have others with bytes beside them), so that a short file takes little time.
 const MOST_ZEROS: usize = 1 << 12;
 
 /// The type of a component.
@@ -155,7 +155,7 @@ impl Accessor {
         let kind = component(&item)?;
         let normalized = item.get("normalized").is_some_and(|n| n.value.as_bool() == Some(true));
         let view = match item.index("bufferView")? {
-            None if count > MOST_ZEROS.max(document.bytes) => {
+            None if count > MOST_ZEROS.max(document.longest) => {
                 return Err(item.error(&format!("says {count} elements of no bytes")));
             }
             None => None,

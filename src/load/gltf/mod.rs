@@ -72,8 +72,8 @@ const DECODE_FIRST: &str = "decode it first, e.g. with gltf-transform copy IN.gl
 pub(super) struct Document<'d> {
     root: Item<'d>,
     buffers: Vec<Arc<Vec<u8>>>,
-    /// Of all buffers.
-    bytes: usize,
+    /// Bytes of the longest buffer.
+    longest: usize,
     file: &'d Path,
 }
 
@@ -92,8 +92,8 @@ fn read(input: Input<'_>, reading: &Reading<'_>) -> Result<Object> {
     let mut container = container::Document::read(input, reading.options.progress)?;
     check_version(&Item::root(&container.json, file))?;
     let buffers = container.buffers(file, reading.reach)?;
-    let bytes = buffers.iter().map(|buffer| buffer.len()).sum();
-    let document = Document { root: Item::root(&container.json, file), buffers, bytes, file };
+    let longest = buffers.iter().map(|buffer| buffer.len()).max().unwrap_or(0);
+    let document = Document { root: Item::root(&container.json, file), buffers, longest, file };
     let nodes = Nodes::of(&document.root)?;
     let mut findings = Findings::default();
     let materials = Materials::of(&document, reading.reach, &mut findings)?;
@@ -154,7 +154,8 @@ impl<'m, 'd> Meshes<'m, 'd> {
     }
 
     fn add_all(&mut self, nodes: &Nodes<'d>) -> Result<()> {
-        let (bytes, most) = (self.document.bytes as u64, self.reading.options.max_elements);
+        let bytes: u64 = self.document.buffers.iter().map(|buffer| buffer.len() as u64).sum();
+        let most = self.reading.options.max_elements;
         let most = most.min(MOST_COPIED.max(bytes.saturating_mul(COPIES_A_BYTE)));
         let mut room = Room { taken: 0, most, file: self.document.file };
         let all = Shown::all(self.document, nodes, &mut room)?;

@@ -234,13 +234,16 @@ fn counts_that_lie_are_refused_before_anything_is_allocated() {
         let error = read(&document).unwrap_err().to_string();
         assert!(error.contains(words), "{error}");
     }
-    // As many zeros as there are bytes, for instance for a sparse accessor.
+    // As many zeros as the longest buffer has bytes, for instance for a sparse accessor.
     let mut document = square();
     document["accessors"][1] = json!({ "componentType": 5126, "count": 5000, "type": "VEC2" });
-    assert!(read(&document).is_err_and(|error| error.to_string().contains("of no bytes")));
+    let refused = |d: &Value| read(d).is_err_and(|error| error.to_string().contains("of no bytes"));
+    assert!(refused(&document));
     let uri = format!("data:;base64,{}", base64(&[0; 5000]));
     document["buffers"].as_array_mut().unwrap().push(json!({ "byteLength": 5000, "uri": uri }));
     assert_eq!(read(&document).unwrap().mesh.indices.len(), 2);
+    document["accessors"][1]["count"] = json!(5001);
+    assert!(refused(&document), "one more than the longest buffer has bytes");
     let error = |patch: Value| read(&with(square(), patch)).unwrap_err().to_string();
     let huge = json!({ "bufferViews": [{ "buffer": 0, "byteOffset": u64::MAX, "byteLength": 48 }] });
     assert!(error(huge).contains("bufferViews[0] does not fit into its buffer"));
